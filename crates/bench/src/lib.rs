@@ -1,0 +1,1 @@
+//! Accuracy scores against truth, and error against run time.

@@ -1,0 +1,1 @@
+//! Motion-capture CSV bytes (Vicon Nexus and Workstation, Motive) to their own records.

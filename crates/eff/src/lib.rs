@@ -1,0 +1,1 @@
+//! The field file, .eff.mcap: written, read, validated.

@@ -1,0 +1,1 @@
+//! Motions and fields to files for other tools: .npz, .usda.

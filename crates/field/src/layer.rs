@@ -1,0 +1,160 @@
+use serde::{Deserialize, Serialize};
+use tousle_core::Vec3;
+
+/// An edit of the field: an extra vector near some handles during a span of time.
+///
+/// Layers are stored beside the voxels and added when the field is sampled, so an edit can be muted, changed or
+/// taken out for ever after, and a hairstyle that was not there when it was made inherits it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FieldLayer {
+    /// Unique in a field's stack.
+    pub id: String,
+    /// A name for people.
+    pub name: String,
+    /// A muted layer is kept and does nothing.
+    #[serde(default)]
+    pub muted: bool,
+    /// The layer begins at this time, s; before it the field is untouched.
+    pub first_secs: f64,
+    /// The layer has ended at this time, s.
+    pub last_secs: f64,
+    /// How the layer comes and goes within its span.
+    pub ease: Ease,
+    /// Where it acts. Where handles overlap their vectors are averaged, not piled up.
+    pub handles: Vec<Handle>,
+    /// What it was made from, for an editor to take up again; sampling never looks at it.
+    pub origin: LayerOrigin,
+}
+
+/// One place where a [`FieldLayer`] acts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Handle {
+    /// The center, head space, m.
+    pub center_m: Vec3,
+    /// Distance from the center at which the weight has fallen to 0, m, > 0.
+    pub reach_m: f64,
+    /// What is added at the center when the layer is fully there, head axes, in the field's quantity.
+    pub extra: Vec3,
+}
+
+/// How a layer comes and goes: the share of its span in which it rises from 0 to 1, and falls to 0 again.
+///
+/// Both sides are smooth (quintic), so that no force ever jumps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ease {
+    /// Share of the span in which it rises, 0 to 1.
+    pub rise: f64,
+    /// Share of the span in which it falls, 0 to 1 less `rise`.
+    pub fall: f64,
+}
+
+/// What a layer was made from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum LayerOrigin {
+    /// A strand's control point was dragged to a target at a key frame.
+    Drag {
+        /// The strand's name in the groom it was dragged in.
+        strand: String,
+        /// The control point, from the root.
+        control_point: usize,
+        /// Where it should be at the end of the span, head space, m.
+        target_m: Vec3,
+        /// Which method made the handles: `paper` (E4) or another by name.
+        method: String,
+    },
+}
+
+impl FieldLayer {
+    /// How much of the layer is there at a time: 0 outside the span and at its ends, 1 in between.
+    pub fn presence(&self, time_secs: f64) -> f64 {
+        let span = self.last_secs - self.first_secs;
+        if self.muted || !(time_secs > self.first_secs && time_secs < self.last_secs) {
+            return 0.0;
+        }
+        let share = (time_secs - self.first_secs) / span;
+        let rise = if self.ease.rise > 0.0 { smooth_step(share / self.ease.rise) } else { 1.0 };
+        let fall = if self.ease.fall > 0.0 { smooth_step((1.0 - share) / self.ease.fall) } else { 1.0 };
+        rise * fall
+    }
+
+    /// What the layer adds at a point, head space, m, when it is fully there. Times [`FieldLayer::presence`].
+    ///
+    /// The weighted mean of the handles' vectors where their weights add up to more than 1, their weighted sum
+    /// where they do not: one handle gives its own vector at its center, many close together do not pile up.
+    pub fn extra_at(&self, point_m: Vec3) -> Vec3 {
+        let mut sum = Vec3::zeros();
+        let mut weights = 0.0;
+        for handle in &self.handles {
+            let weight = handle.weight(point_m);
+            sum += handle.extra * weight;
+            weights += weight;
+        }
+        sum / f64::max(weights, 1.0)
+    }
+}
+
+impl Handle {
+    /// 1 at the center, falling smoothly (twice differentiable) to 0 at the reach and staying there.
+    ///
+    /// The paper's exp(l²/(l−p)²) grows without bound where a weight of 1 is meant and tends to 1 where 0 is
+    /// (`docs/equations.md`, E4). This is Wendland's compact function of the same intent (Wendland 1995, φ3,1).
+    pub fn weight(&self, point_m: Vec3) -> f64 {
+        let share = (point_m - self.center_m).norm() / self.reach_m;
+        if share >= 1.0 {
+            return 0.0;
+        }
+        let left = 1.0 - share;
+        let left2 = left * left;
+        left2 * left2 * (4.0 * share + 1.0)
+    }
+}
+
+/// 0 below 0, 1 above 1, the quintic 6x⁵ − 15x⁴ + 10x³ between: value, slope and bend meet at both ends.
+fn smooth_step(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * x * (x * (6.0 * x - 15.0) + 10.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layer(handles: Vec<Handle>) -> FieldLayer {
+        FieldLayer {
+            id: "1".into(),
+            name: "lift".into(),
+            muted: false,
+            first_secs: 1.0,
+            last_secs: 2.0,
+            ease: Ease { rise: 0.5, fall: 0.25 },
+            handles,
+            origin: LayerOrigin::Drag {
+                strand: "S01".into(),
+                control_point: 3,
+                target_m: Vec3::zeros(),
+                method: "paper".into(),
+            },
+        }
+    }
+
+    #[test]
+    fn a_layer_is_nothing_before_its_first_key_and_comes_without_a_jump() {
+        let layer = layer(Vec::new());
+        assert_eq!(layer.presence(1.0), 0.0);
+        assert!(layer.presence(1.001) < 1e-7);
+        assert_eq!(layer.presence(1.5), 1.0);
+        assert_eq!(layer.presence(1.75), 1.0);
+        assert!(layer.presence(1.999) < 1e-6);
+        assert_eq!(layer.presence(2.0), 0.0);
+        assert_eq!(FieldLayer { muted: true, ..layer }.presence(1.5), 0.0);
+    }
+
+    #[test]
+    fn handles_do_not_pile_up() {
+        let handle = Handle { center_m: Vec3::zeros(), reach_m: 0.1, extra: Vec3::x() };
+        assert_eq!(layer(vec![handle]).extra_at(Vec3::zeros()), Vec3::x());
+        assert_eq!(layer(vec![handle; 5]).extra_at(Vec3::zeros()), Vec3::x());
+        assert_eq!(layer(vec![handle; 5]).extra_at(Vec3::new(0.1, 0.0, 0.0)), Vec3::zeros());
+    }
+}

@@ -1,0 +1,17 @@
+//! The voxel field around the head: grid, steps, sampling, layers.
+//!
+//! A [`FieldSequence`] is wind over time on a cube around the head, in head axes. [`GridSpec`] says where the
+//! voxels are, [`Field`] holds one time step, [`FieldLayer`] an edit that is added when the field is sampled
+//! and never baked in. [`FieldSequence::at`] gives a [`FieldSlice`] of one time, which is sampled anywhere.
+//!
+//! *Invariant:* this crate knows neither markers nor hair.
+
+mod grid;
+mod layer;
+mod scene;
+mod sequence;
+
+pub use grid::{GridError, GridSpec, VoxelIndex};
+pub use layer::{Ease, FieldLayer, Handle, LayerOrigin};
+pub use scene::Scene;
+pub use sequence::{Field, FieldError, FieldSequence, FieldSlice, VoxelFlag};

@@ -1,0 +1,336 @@
+use crate::{FieldLayer, GridSpec, VoxelIndex};
+use serde::{Deserialize, Serialize};
+use tousle_core::{Quantity, Vec3};
+
+/// Wind over time on a grid around the head, in head axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldSequence {
+    /// Where the voxels are.
+    pub grid: GridSpec,
+    /// What the vectors are.
+    pub quantity: Quantity,
+    /// Time of the first step, s after the capture's first frame.
+    pub start_secs: f64,
+    /// Steps a second, > 0; in between the field is linear in time.
+    pub rate_hz: f64,
+    /// The steps, at least one. A single step stands for all times.
+    pub steps: Vec<Field>,
+    /// Edits, added when the field is sampled, in order.
+    pub layers: Vec<FieldLayer>,
+}
+
+/// One time step of a field.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// The vectors at voxel centers, head axes: all x components, then all y, then all z; within a component x
+    /// slowest, z fastest ([`GridSpec::flat`]).
+    pub u: Vec<f32>,
+    /// Where each voxel's vector comes from.
+    pub flags: Vec<VoxelFlag>,
+    /// Standard deviation of each voxel's vector (per component), in the quantity's unit, if it is known.
+    pub sd: Option<Vec<f32>>,
+    /// The wind outside the grid, head axes.
+    pub outside: Vec3,
+}
+
+/// Where a voxel's vector comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum VoxelFlag {
+    /// From the wind outside the grid, perhaps bent towards what was measured nearest.
+    #[default]
+    Outside = 0,
+    /// From measured voxels around it.
+    Interpolated = 1,
+    /// A marker was in it.
+    Measured = 2,
+}
+
+impl VoxelFlag {
+    /// The flag of a byte in a file; `None` for a byte that means nothing.
+    pub fn from_byte(byte: u8) -> Option<Self> {
+        [Self::Outside, Self::Interpolated, Self::Measured].into_iter().find(|f| *f as u8 == byte)
+    }
+}
+
+/// What makes a sequence unusable.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FieldError {
+    /// There is no step.
+    #[error("the field has no time steps")]
+    Empty,
+    /// The rate is not a finite number above 0.
+    #[error("found a rate of {found} Hz, expected a number above 0")]
+    BadRate {
+        /// The rate.
+        found: f64,
+    },
+    /// An array does not fit the grid.
+    #[error("step {step}: found {found} {what}, expected {expected}")]
+    BadSize {
+        /// Index of the step.
+        step: usize,
+        /// Which array.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// What the grid asks for.
+        expected: usize,
+    },
+    /// A vector is NaN or infinite.
+    #[error("step {step}, voxel {voxel:?}: found {found}, expected a finite number")]
+    NotFinite {
+        /// Index of the step.
+        step: usize,
+        /// The voxel; `None` for the wind outside.
+        voxel: Option<[usize; 3]>,
+        /// The value.
+        found: f64,
+    },
+}
+
+impl Field {
+    /// A step of still air, all of it taken from outside.
+    pub fn still(grid: &GridSpec) -> Self {
+        let n = grid.n_voxels();
+        Self { u: vec![0.0; 3 * n], flags: vec![VoxelFlag::Outside; n], sd: None, outside: Vec3::zeros() }
+    }
+
+    /// The vector at a voxel's center, by its flat index.
+    ///
+    /// # Panics
+    /// If `flat` is past the end.
+    pub fn vector(&self, flat: usize) -> Vec3 {
+        let n = self.flags.len();
+        Vec3::new(f64::from(self.u[flat]), f64::from(self.u[n + flat]), f64::from(self.u[2 * n + flat]))
+    }
+
+    /// Sets the vector at a voxel's center, by its flat index.
+    ///
+    /// # Panics
+    /// If `flat` is past the end.
+    pub fn set_vector(&mut self, flat: usize, vector: Vec3) {
+        let n = self.flags.len();
+        for axis in 0..3 {
+            self.u[axis * n + flat] = vector[axis] as f32;
+        }
+    }
+
+    /// The vector at a point, head space, m: trilinear between voxel centers; up to half a voxel beyond the
+    /// outermost centers the nearest one holds; outside the box, [`Field::outside`].
+    pub fn sample(&self, grid: &GridSpec, point_m: Vec3) -> Vec3 {
+        if !grid.contains(point_m) {
+            return self.outside;
+        }
+        let place = (point_m - grid.origin_m) / grid.edge_m - Vec3::repeat(0.5);
+        let mut low = [0; 3];
+        let mut high = [0; 3];
+        let mut share = [0.0; 3];
+        for axis in 0..3 {
+            let last = grid.dims[axis] - 1;
+            let at = place[axis].clamp(0.0, last as f64);
+            low[axis] = at as usize;
+            high[axis] = (low[axis] + 1).min(last);
+            share[axis] = at - low[axis] as f64;
+        }
+        let mut sum = Vec3::zeros();
+        for corner in 0..8 {
+            let mut voxel = low;
+            let mut weight = 1.0;
+            for axis in 0..3 {
+                if corner >> axis & 1 == 1 {
+                    voxel[axis] = high[axis];
+                    weight *= share[axis];
+                } else {
+                    weight *= 1.0 - share[axis];
+                }
+            }
+            if weight > 0.0 {
+                sum += self.vector(grid.flat(VoxelIndex(voxel))) * weight;
+            }
+        }
+        sum
+    }
+}
+
+/// A field at one time, ready to be sampled anywhere: two neighboring steps and the share of the second.
+#[derive(Clone, Copy, Debug)]
+pub struct FieldSlice<'a> {
+    sequence: &'a FieldSequence,
+    before: &'a Field,
+    after: &'a Field,
+    share: f64,
+    time_secs: f64,
+}
+
+impl FieldSequence {
+    /// Time of the last step, s.
+    pub fn end_secs(&self) -> f64 {
+        self.start_secs + (self.steps.len().max(1) - 1) as f64 / self.rate_hz
+    }
+
+    /// Time of a step, s.
+    pub fn time_secs(&self, step: usize) -> f64 {
+        self.start_secs + step as f64 / self.rate_hz
+    }
+
+    /// The field at a time, s; before the first step the first holds, after the last the last.
+    ///
+    /// # Panics
+    /// If the sequence has no step; [`FieldSequence::check`] refuses such a one.
+    pub fn at(&self, time_secs: f64) -> FieldSlice<'_> {
+        let last = self.steps.len() - 1;
+        let place = ((time_secs - self.start_secs) * self.rate_hz).clamp(0.0, last as f64);
+        let before = place as usize;
+        let after = (before + 1).min(last);
+        FieldSlice {
+            sequence: self,
+            before: &self.steps[before],
+            after: &self.steps[after],
+            share: place - before as f64,
+            time_secs,
+        }
+    }
+
+    /// The steps with every layer that is not muted added at voxel centers, for tools that know no layers.
+    ///
+    /// Layers that begin or end between two steps are only as exact as the steps are dense.
+    pub fn flattened(&self) -> Self {
+        let mut flat = Self { layers: Vec::new(), ..self.clone() };
+        for (k, step) in flat.steps.iter_mut().enumerate() {
+            let time_secs = self.time_secs(k);
+            for layer in &self.layers {
+                let presence = layer.presence(time_secs);
+                if presence == 0.0 {
+                    continue;
+                }
+                for voxel in 0..self.grid.n_voxels() {
+                    let extra = layer.extra_at(self.grid.cell_center_m(self.grid.unflat(voxel)));
+                    if extra != Vec3::zeros() {
+                        step.set_vector(voxel, step.vector(voxel) + extra * presence);
+                    }
+                }
+            }
+        }
+        flat
+    }
+
+    /// Checks that every array fits the grid and every number is finite.
+    ///
+    /// # Errors
+    /// The first [`FieldError`] in step order.
+    pub fn check(&self) -> Result<(), FieldError> {
+        if self.steps.is_empty() {
+            return Err(FieldError::Empty);
+        }
+        if !(self.rate_hz.is_finite() && self.rate_hz > 0.0) {
+            return Err(FieldError::BadRate { found: self.rate_hz });
+        }
+        let n = self.grid.n_voxels();
+        for (step, field) in self.steps.iter().enumerate() {
+            let sd_len = field.sd.as_ref().map_or(n, Vec::len);
+            for (what, found, expected) in [
+                ("vector components", field.u.len(), 3 * n),
+                ("flags", field.flags.len(), n),
+                ("standard deviations", sd_len, n),
+            ] {
+                if found != expected {
+                    return Err(FieldError::BadSize { step, what, found, expected });
+                }
+            }
+            if let Some(at) = field.u.iter().position(|c| !c.is_finite()) {
+                let voxel = Some(self.grid.unflat(at % n).0);
+                return Err(FieldError::NotFinite { step, voxel, found: f64::from(field.u[at]) });
+            }
+            if let Some(c) = field.outside.iter().find(|c| !c.is_finite()) {
+                return Err(FieldError::NotFinite { step, voxel: None, found: *c });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl FieldSlice<'_> {
+    /// The vector at a point, head space, m, layers included.
+    pub fn sample(&self, point_m: Vec3) -> Vec3 {
+        let grid = &self.sequence.grid;
+        let mut vector = self.before.sample(grid, point_m);
+        if self.share > 0.0 {
+            vector += (self.after.sample(grid, point_m) - vector) * self.share;
+        }
+        for layer in &self.sequence.layers {
+            let presence = layer.presence(self.time_secs);
+            if presence > 0.0 {
+                vector += layer.extra_at(point_m) * presence;
+            }
+        }
+        vector
+    }
+
+    /// The wind outside the grid.
+    pub fn outside(&self) -> Vec3 {
+        self.before.outside * (1.0 - self.share) + self.after.outside * self.share
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A field that is linear in space is sampled exactly between voxel centers.
+    #[test]
+    fn a_linear_field_is_sampled_exactly() {
+        let grid = GridSpec::cube(0.6, 0.1).unwrap();
+        let linear = |p: Vec3| Vec3::new(1.0 + p.x, 2.0 - p.y + p.z, 0.5 * p.x * 3.0);
+        let mut field = Field::still(&grid);
+        for flat in 0..grid.n_voxels() {
+            field.set_vector(flat, linear(grid.cell_center_m(grid.unflat(flat))));
+        }
+        for point in [Vec3::zeros(), Vec3::new(0.13, -0.2, 0.08), Vec3::new(-0.25, 0.25, 0.25)] {
+            assert!((field.sample(&grid, point) - linear(point)).norm() < 1e-6, "{point}");
+        }
+    }
+
+    #[test]
+    fn time_is_linear_between_steps_and_held_outside() {
+        let grid = GridSpec::cube(0.2, 0.1).unwrap();
+        let step = |x: f64| {
+            let mut field = Field::still(&grid);
+            for flat in 0..8 {
+                field.set_vector(flat, Vec3::new(x, 0.0, 0.0));
+            }
+            Field { outside: Vec3::new(10.0 * x, 0.0, 0.0), ..field }
+        };
+        let sequence = FieldSequence {
+            grid,
+            quantity: Quantity::AirVelocity,
+            start_secs: 1.0,
+            rate_hz: 10.0,
+            steps: vec![step(0.0), step(1.0), step(4.0)],
+            layers: Vec::new(),
+        };
+        sequence.check().unwrap();
+        for (t, x) in [(0.0, 0.0), (1.05, 0.5), (1.15, 2.5), (9.0, 4.0)] {
+            assert!((sequence.at(t).sample(Vec3::zeros()).x - x).abs() < 1e-6, "{t}");
+            assert!((sequence.at(t).sample(Vec3::new(9.0, 0.0, 0.0)).x - 10.0 * x).abs() < 1e-5, "{t}");
+        }
+    }
+
+    #[test]
+    fn a_nan_is_found_with_its_place() {
+        let grid = GridSpec::cube(0.2, 0.1).unwrap();
+        let mut field = Field::still(&grid);
+        field.u[8 + 5] = f32::NAN;
+        let sequence = FieldSequence {
+            grid,
+            quantity: Quantity::AirVelocity,
+            start_secs: 0.0,
+            rate_hz: 30.0,
+            steps: vec![field],
+            layers: Vec::new(),
+        };
+        let error = sequence.check().unwrap_err();
+        assert!(matches!(error, FieldError::NotFinite { step: 0, voxel: Some([1, 0, 1]), .. }), "{error}");
+    }
+}

@@ -1,0 +1,1 @@
+//! Groom files to a Groom.

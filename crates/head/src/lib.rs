@@ -1,0 +1,1 @@
+//! Eight head markers give the pose: Capture to HeadCapture.

@@ -1,0 +1,1 @@
+//! Any marker bytes to one Capture; session files to a Session.

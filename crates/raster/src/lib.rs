@@ -1,0 +1,1 @@
+//! WindSamples to FieldSequence: scattered vectors fill the grid.

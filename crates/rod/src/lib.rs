@@ -1,0 +1,1 @@
+//! Mechanics of one lock: shape, bending, drag, contact; the same for measuring and for simulating.

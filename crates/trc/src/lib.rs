@@ -1,0 +1,1 @@
+//! TRC bytes to TRC records, nothing more.
