@@ -31,6 +31,16 @@ pub struct Session {
     pub assumed: Vec<Assumption>,
 }
 
+impl Session {
+    /// The still frames as indices from 0, both included, clipped to a capture; `None` if none is left.
+    pub fn still_range(&self, first_frame: i64, n_frames: usize) -> Option<(usize, usize)> {
+        let (first, last) = self.still_frames?;
+        let first = usize::try_from(first.checked_sub(first_frame)?.max(0)).ok()?;
+        let last = usize::try_from(last.checked_sub(first_frame)?).ok()?.min(n_frames.checked_sub(1)?);
+        (first <= last).then_some((first, last))
+    }
+}
+
 /// A marker on the head and its place in head space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeadMarker {

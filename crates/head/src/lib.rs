@@ -1,1 +1,13 @@
-//! Eight head markers give the pose: Capture to HeadCapture.
+//! The head's markers give its pose: `Capture` → `HeadCapture`.
+//!
+//! [`locate_head`] finds in every frame the rigid transform that carries the markers' places on the head to
+//! where the cameras saw them, from whichever markers are there and behave, and expresses every lock in head
+//! space. [`pose_track`] makes of the poses the smooth track that a field file carries.
+
+mod locate;
+mod registration;
+mod shape;
+mod smooth;
+
+pub use locate::{HeadError, HeadOptions, HeadReport, Located, MarkerReport, locate_head};
+pub use smooth::{PoseTrackReport, SmoothOptions, TrackedPoses, pose_track};

@@ -1,0 +1,259 @@
+use crate::registration::{Pair, Registration, register};
+use crate::shape::{HeadShape, head_shape};
+use serde::Serialize;
+use tousle_core::{Capture, HeadCapture, HeadPose, Session, StrandTracks, Track};
+
+/// How the head is found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeadOptions {
+    /// A marker farther than this from where the pose puts it is left out of that frame, m.
+    ///
+    /// Raised, a neck that follows half a turn bends the pose; lowered below the noise, good markers are lost.
+    /// 3 mm is twenty times the noise of an optical system and a fortieth of the head.
+    pub tolerance_m: f64,
+    /// A marker that agrees in fewer than this share of its frames is not trusted in any: it sits on something
+    /// that moves by itself.
+    pub least_agreement: f64,
+}
+
+impl Default for HeadOptions {
+    fn default() -> Self {
+        Self { tolerance_m: 3e-3, least_agreement: 0.8 }
+    }
+}
+
+/// A capture in head space, and how the head was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Located {
+    /// Poses and locks.
+    pub head: HeadCapture,
+    /// What was found on the way.
+    pub report: HeadReport,
+}
+
+/// How the head was found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HeadReport {
+    /// Each head marker, in the session's order.
+    pub markers: Vec<MarkerReport>,
+    /// Frames (numbered as the file does) without a pose.
+    pub frames_without_pose: Vec<i64>,
+    /// Root mean square of the per-frame residuals, m; `None` if no frame has a pose.
+    pub fit_residual_m: Option<f64>,
+    /// White noise of a marker coordinate in the still interval, m; `None` without a still interval.
+    pub noise_m: Option<f64>,
+}
+
+/// How one head marker behaved.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MarkerReport {
+    /// Its label.
+    pub label: String,
+    /// Share of frames in which it was seen.
+    pub seen: f64,
+    /// Share of the frames in which it was seen and agreed with the pose.
+    pub agreed: f64,
+    /// Whether it was used at all.
+    pub trusted: bool,
+    /// How far its place in the still frames is from the session's, m.
+    pub correction_m: f64,
+}
+
+/// Why no head can be found.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum HeadError {
+    /// Markers that the session names are not in the capture.
+    #[error("the session names markers that the capture does not have: {}", labels.join(", "))]
+    MissingMarkers {
+        /// Their labels.
+        labels: Vec<String>,
+    },
+    /// Three markers settle a pose.
+    #[error("found {found} head markers in the session, expected at least 3")]
+    TooFewMarkers {
+        /// How many there are.
+        found: usize,
+    },
+    /// No frame shows three markers that agree.
+    #[error(
+        "no frame shows 3 head markers within {tolerance_mm} mm of their places on the head (of {n_frames} frames)"
+    )]
+    NoPose {
+        /// The tolerance, mm.
+        tolerance_mm: f64,
+        /// Frames in the capture.
+        n_frames: usize,
+    },
+}
+
+/// Finds the head's pose in every frame and expresses every lock in head space.
+///
+/// In: world-space positions, m. Out: `world_from_head` a frame, `None` where fewer than three trusted markers
+/// agree; marker tracks in head space, m, missing wherever the marker or the pose is.
+///
+/// The paper takes the head's motion away with 8 markers and does not say how (3.1). Here: the rigid transform
+/// of most agreement over the markers that are seen (MSAC over all triples, then least squares), in two passes:
+/// the second trusts no marker that failed to follow the head in the first.
+///
+/// # Errors
+/// [`HeadError`] if the session's markers are not in the capture, are too few, or no frame gives a pose.
+pub fn locate_head(
+    capture: &Capture,
+    session: &Session,
+    options: &HeadOptions,
+) -> Result<Located, HeadError> {
+    let tracks = head_tracks(capture, session)?;
+    let still = session.still_range(capture.first_frame, capture.n_frames);
+    let shape = head_shape(&tracks, session, still, 3.0 * options.tolerance_m);
+    let first_pass = register_frames(&tracks, &shape, &vec![1.0; tracks.len()], options);
+    let agreement = agreement(&tracks, &first_pass);
+    let trust = trust(&agreement, options);
+    let registrations = register_frames(&tracks, &shape, &trust, options);
+    if registrations.iter().all(Option::is_none) {
+        let tolerance_mm = options.tolerance_m * 1e3;
+        return Err(HeadError::NoPose { tolerance_mm, n_frames: capture.n_frames });
+    }
+    let poses: Vec<_> =
+        registrations.iter().enumerate().map(|(frame, r)| head_pose(r.as_ref(), &tracks, frame)).collect();
+    let head = HeadCapture {
+        rate_hz: capture.rate_hz,
+        first_frame: capture.first_frame,
+        strands: strand_tracks(capture, session, &poses)?,
+        poses,
+    };
+    let report = report(&head, session, &tracks, &shape, &agreement, &trust);
+    Ok(Located { head, report })
+}
+
+fn head_tracks<'a>(capture: &'a Capture, session: &Session) -> Result<Vec<&'a Track>, HeadError> {
+    if session.head_markers.len() < 3 {
+        return Err(HeadError::TooFewMarkers { found: session.head_markers.len() });
+    }
+    let labels = session.head_markers.iter().map(|m| m.label.as_str());
+    find_tracks(capture, session, labels)
+}
+
+/// The tracks of these labels; the session's subject decides between two subjects with the same label.
+fn find_tracks<'a, 'b>(
+    capture: &'a Capture,
+    session: &Session,
+    labels: impl Iterator<Item = &'b str>,
+) -> Result<Vec<&'a Track>, HeadError> {
+    let find = |label: &str| {
+        let named = |t: &&tousle_core::Trajectory| t.label == label;
+        let of_subject = |t: &&tousle_core::Trajectory| named(t) && t.subject == session.subject;
+        capture.trajectories.iter().find(of_subject).or_else(|| capture.trajectories.iter().find(named))
+    };
+    let mut missing = Vec::new();
+    let mut tracks = Vec::new();
+    for label in labels {
+        match find(label) {
+            Some(trajectory) => tracks.push(&trajectory.track),
+            None => missing.push(label.to_owned()),
+        }
+    }
+    if missing.is_empty() { Ok(tracks) } else { Err(HeadError::MissingMarkers { labels: missing }) }
+}
+
+fn register_frames(
+    tracks: &[&Track],
+    shape: &HeadShape,
+    trust: &[f64],
+    options: &HeadOptions,
+) -> Vec<Option<Registration>> {
+    let n_frames = tracks.first().map_or(0, |t| t.n_frames());
+    let pair = |frame: usize, k: usize| {
+        let seen_m = tracks[k].at(frame).filter(|_| trust[k] > 0.0)?;
+        Some(Pair { marker: k, place_m: shape.places_m[k], seen_m })
+    };
+    (0..n_frames)
+        .map(|frame| {
+            let pairs: Vec<Pair> = (0..tracks.len()).filter_map(|k| pair(frame, k)).collect();
+            let mut registration = register(&pairs, trust, options.tolerance_m)?;
+            for k in &mut registration.used {
+                *k = pairs[*k].marker;
+            }
+            Some(registration)
+        })
+        .collect()
+}
+
+/// For each marker the share of its frames in which it agreed with the pose.
+fn agreement(tracks: &[&Track], registrations: &[Option<Registration>]) -> Vec<f64> {
+    let share = |k: usize| {
+        let seen = registrations
+            .iter()
+            .enumerate()
+            .filter(|(f, r)| r.is_some() && tracks[k].at(*f).is_some())
+            .count();
+        let used = registrations.iter().flatten().filter(|r| r.used.contains(&k)).count();
+        used as f64 / seen.max(1) as f64
+    };
+    (0..tracks.len()).map(share).collect()
+}
+
+/// 1 for markers that follow the head, 0 for the others; all 1 if fewer than three would be left.
+fn trust(agreement: &[f64], options: &HeadOptions) -> Vec<f64> {
+    let trust: Vec<f64> =
+        agreement.iter().map(|a| f64::from(u8::from(*a >= options.least_agreement))).collect();
+    if trust.iter().sum::<f64>() >= 3.0 { trust } else { vec![1.0; agreement.len()] }
+}
+
+fn head_pose(registration: Option<&Registration>, tracks: &[&Track], frame: usize) -> Option<HeadPose> {
+    let registration = registration?;
+    Some(HeadPose {
+        world_from_head: registration.world_from_head,
+        fit_residual_m: registration.residual_m,
+        n_used: registration.used.len(),
+        n_visible: tracks.iter().filter(|t| t.at(frame).is_some()).count(),
+    })
+}
+
+fn strand_tracks(
+    capture: &Capture,
+    session: &Session,
+    poses: &[Option<HeadPose>],
+) -> Result<Vec<StrandTracks>, HeadError> {
+    let labels = session.strands.iter().flat_map(|s| s.markers.iter().map(|m| m.label.as_str()));
+    let mut tracks = find_tracks(capture, session, labels)?.into_iter();
+    let to_head = |track: &Track| {
+        track.map(|frame, p_world| {
+            let world_from_head = &poses[frame].as_ref()?.world_from_head;
+            Some(world_from_head.inverse_transform_point(&p_world.into()).coords)
+        })
+    };
+    let strand = |(strand_idx, spec): (usize, &tousle_core::StrandSpec)| {
+        let markers = tracks.by_ref().take(spec.markers.len()).map(to_head).collect();
+        StrandTracks { strand_idx, markers }
+    };
+    Ok(session.strands.iter().enumerate().map(strand).collect())
+}
+
+fn report(
+    head: &HeadCapture,
+    session: &Session,
+    tracks: &[&Track],
+    shape: &HeadShape,
+    agreement: &[f64],
+    trust: &[f64],
+) -> HeadReport {
+    let n_frames = head.n_frames();
+    let marker = |k: usize| MarkerReport {
+        label: session.head_markers[k].label.clone(),
+        seen: tracks[k].n_valid() as f64 / n_frames.max(1) as f64,
+        agreed: agreement[k],
+        trusted: trust[k] > 0.0,
+        correction_m: shape.correction_m[k],
+    };
+    let without = (0..n_frames).filter(|&f| head.poses[f].is_none()).map(|f| head.first_frame + f as i64);
+    let residuals: Vec<f64> =
+        head.poses.iter().flatten().map(|p| p.fit_residual_m * p.fit_residual_m).collect();
+    HeadReport {
+        markers: (0..tracks.len()).map(marker).collect(),
+        frames_without_pose: without.collect(),
+        fit_residual_m: (!residuals.is_empty())
+            .then(|| (residuals.iter().sum::<f64>() / residuals.len() as f64).sqrt()),
+        noise_m: shape.noise_m,
+    }
+}
