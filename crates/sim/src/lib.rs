@@ -1,3 +1,53 @@
 //! A field, its scene and a groom give the motion of every strand.
 //!
 //! *Invariant:* this crate has never heard of markers: it sees what a field file holds and nothing else.
+
+mod error;
+mod integrator;
+mod options;
+mod report;
+
+pub use error::SimError;
+pub use integrator::Integrator;
+pub use options::{Method, PaperOptions, SimOptions, TimeMode};
+pub use report::{PlanEntry, SimReport, Simulation};
+
+use tousle_core::{Groom, Progress, StrandMotion};
+use tousle_field::{FieldSequence, Scene};
+
+/// Simulates a groom in a wind field.
+///
+/// In: the field (its grid, its layers and what its vectors are), the scene that came with it, the groom at
+/// rest; all in head space, SI. Out: every control point at `start`, `start + 1/rate`, … up to the end, head
+/// space, m; the first frame is the groom's rest curves, at rest. The same input gives the same bytes out,
+/// whatever the number of threads of the rayon pool this runs in.
+///
+/// # Errors
+/// [`SimError`] if an option, the field, the scene or the groom cannot be used, or if the step is beyond what
+/// the integrator stands; always before the first step.
+pub fn simulate(
+    field: &FieldSequence,
+    scene: &Scene,
+    groom: &Groom,
+    options: &SimOptions,
+    progress: &dyn Progress,
+) -> Result<Simulation, SimError> {
+    field.check()?;
+    groom.check()?;
+    let _ = (scene, options, progress);
+    // The rest curves, once: the real thing follows within the day.
+    let positions_m =
+        groom.strands.iter().flat_map(|s| &s.rest_curve_m).map(|p| p.map(|c| c as f32).into()).collect();
+    let motion = StrandMotion { counts: groom.counts(), times_secs: vec![0.0], positions_m };
+    let report = SimReport {
+        integrator: options.integrator,
+        order: options.integrator.order(),
+        limit: options.integrator.limit().to_owned(),
+        dt_secs: 0.0,
+        n_steps: 0,
+        plan: Vec::new(),
+        max_stretch: 0.0,
+        assumed: groom.assumed.clone(),
+    };
+    Ok(Simulation { motion, report })
+}

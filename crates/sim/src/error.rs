@@ -1,0 +1,51 @@
+use tousle_core::GroomError;
+use tousle_field::FieldError;
+
+/// Why a simulation was refused.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SimError {
+    /// The groom cannot be simulated.
+    #[error("the groom cannot be simulated")]
+    Groom(#[from] GroomError),
+    /// The field cannot be sampled.
+    #[error("the field cannot be sampled")]
+    Field(#[from] FieldError),
+    /// The scene holds something that cannot be.
+    #[error("scene: found {what} = {found}, expected {expected}")]
+    BadScene {
+        /// Which value.
+        what: &'static str,
+        /// What it is.
+        found: String,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// An option is outside what it can be.
+    #[error("option {option}: found {found}, expected {expected}")]
+    BadOption {
+        /// The option's name.
+        option: &'static str,
+        /// Its value.
+        found: f64,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// The step is beyond the integrator's stability limit for this groom.
+    #[error(
+        "integrator {integrator}: found a step of {dt_secs} s, expected at most {limit_secs:.3e} s \
+         (its stability limit, set by strand {strand}, control point {point})"
+    )]
+    Unstable {
+        /// The integrator's name.
+        integrator: &'static str,
+        /// The step, s.
+        dt_secs: f64,
+        /// The largest step it stands, s.
+        limit_secs: f64,
+        /// The strand that sets the limit.
+        strand: String,
+        /// The control point at the far end of its stiffest stick, from the root.
+        point: usize,
+    },
+}

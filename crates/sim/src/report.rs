@@ -1,0 +1,43 @@
+use crate::Integrator;
+use tousle_core::{Assumption, StrandMotion};
+
+/// What a simulation gives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Simulation {
+    /// Every control point over time.
+    pub motion: StrandMotion,
+    /// How it came about.
+    pub report: SimReport,
+}
+
+/// How a simulation came about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SimReport {
+    /// How the equations were stepped.
+    pub integrator: Integrator,
+    /// The order with which the error falls as the step shrinks.
+    pub order: u32,
+    /// The integrator's stability limit for this groom, in words.
+    pub limit: String,
+    /// The step that was taken, s.
+    pub dt_secs: f64,
+    /// Steps that were taken.
+    pub n_steps: u64,
+    /// Every term of E1 and E2: what runs, what was left out and why.
+    pub plan: Vec<PlanEntry>,
+    /// Largest change of a stick's length in any frame, as a share of it.
+    pub max_stretch: f64,
+    /// What nobody gave and a default stands for.
+    pub assumed: Vec<Assumption>,
+}
+
+/// One term of the equations in this run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlanEntry {
+    /// The term: `gravity`, `wind`, `head movement`, `spring`, `collision`, …
+    pub term: String,
+    /// Whether it runs.
+    pub active: bool,
+    /// What it does here, or why it was left out.
+    pub why: String,
+}
