@@ -1,1 +1,117 @@
-//! HeadCapture to WindSamples: what force or wind explains the motion of each lock.
+//! `HeadCapture` → `WindSamples`: what force or wind explains the motion of each lock.
+//!
+//! [`fit`] turns marker positions in head space into one vector of wind per marker and time step. Method `paper`
+//! is the 2008 equation E3 in its three readings ([`PaperReading`]); what blows outside the grid follows from
+//! the fans ([`outside`]).
+
+mod outside;
+mod paper;
+mod resample;
+
+pub use outside::outside_direction;
+pub use paper::{PaperOptions, PaperReading, PaperSpan};
+
+use serde::Serialize;
+use tousle_core::{HeadCapture, Session, Vec3, WindSamples};
+
+/// Which method explains the motion, and how.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum FitMethod {
+    /// Kazama, Sugisaki and Morishima 2008, eq. 3.
+    Paper(PaperOptions),
+}
+
+/// How samples are made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FitOptions {
+    /// The method.
+    pub method: FitMethod,
+    /// Time steps a second of the samples, and so of the field.
+    pub rate_hz: f64,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self { method: FitMethod::Paper(PaperOptions::default()), rate_hz: 30.0 }
+    }
+}
+
+/// The samples, the wind outside, and what happened on the way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// One vector a visible marker and time step, head space.
+    pub samples: WindSamples,
+    /// The wind outside the grid at each time step, head axes, in the samples' quantity.
+    pub outside: Vec<Vec3>,
+    /// What happened.
+    pub report: FitReport,
+}
+
+/// What happened in a fit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FitReport {
+    /// The method and its reading, in words.
+    pub method: String,
+    /// Time steps.
+    pub n_steps: usize,
+    /// Samples in all steps.
+    pub n_samples: usize,
+    /// Markers times steps without a sample, because the marker was not seen when it had to be.
+    pub n_missing: usize,
+    /// Locks that gave no sample at all.
+    pub strands_skipped: Vec<String>,
+    /// White noise of a marker coordinate in the still interval, head space, m.
+    pub noise_m: Option<f64>,
+}
+
+/// Why no wind can be told.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FitError {
+    /// Displacement from rest needs a rest.
+    #[error(
+        "the session names no still frames that lie in the capture, and this reading needs the locks at rest"
+    )]
+    NoRest,
+    /// A single frame tells nothing of motion.
+    #[error("found {found} frames, expected at least 2")]
+    TooFewFrames {
+        /// How many there are.
+        found: usize,
+    },
+    /// A number is not a finite number above 0.
+    #[error("found {what} = {found}, expected a number above 0")]
+    NotPositive {
+        /// Which.
+        what: &'static str,
+        /// Its value.
+        found: f64,
+    },
+    /// No marker of any lock was ever seen where it was needed.
+    #[error("no marker of any lock gives a sample ({n_missing} markers times steps are missing)")]
+    NoSamples {
+        /// Markers times steps without a sample.
+        n_missing: usize,
+    },
+}
+
+/// Explains the motion of every lock by wind.
+///
+/// In: head-space positions, m, `[strand][marker][frame]`. Out: head-axes vectors at `options.rate_hz`, one for
+/// every marker that was seen when its equation needs it; for `paper` force per mass, m/s², with the covariance
+/// that the cameras' noise makes of it. Source: the method's own documentation.
+///
+/// # Errors
+/// [`FitError`] if there is no motion to explain, no rest where one is needed, or not one sample comes out.
+pub fn fit(head: &HeadCapture, session: &Session, options: &FitOptions) -> Result<Fit, FitError> {
+    if !(options.rate_hz.is_finite() && options.rate_hz > 0.0) {
+        return Err(FitError::NotPositive { what: "rate", found: options.rate_hz });
+    }
+    if head.n_frames() < 2 {
+        return Err(FitError::TooFewFrames { found: head.n_frames() });
+    }
+    match &options.method {
+        FitMethod::Paper(paper) => paper::fit_paper(head, session, options.rate_hz, paper),
+    }
+}
