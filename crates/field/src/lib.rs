@@ -11,7 +11,7 @@ mod layer;
 mod scene;
 mod sequence;
 
-pub use grid::{GridError, GridSpec, VoxelIndex};
+pub use grid::{GridError, GridSpec, MAX_VOXELS, VoxelIndex};
 pub use layer::{Ease, FieldLayer, Handle, LayerOrigin};
 pub use scene::Scene;
 pub use sequence::{Field, FieldError, FieldSequence, FieldSlice, VoxelFlag};
