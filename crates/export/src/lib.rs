@@ -1,1 +1,19 @@
-//! Motions and fields to files for other tools: .npz, .usda.
+//! Motions and fields to files for other tools: `.npz`, `.usda`, `.vdb`.
+//!
+//! Every writer takes a value and a sink. Files and their names, and that they appear whole or not at all, are
+//! the business of `tousle-pipeline`. The same value gives the same bytes.
+//!
+//! - [`write_motion_npz`], [`write_field_npz`]: arrays for NumPy; [`read_motion_npz`], [`read_field_npz`] read
+//!   them back, and wind from elsewhere.
+//!
+//! *Invariant:* nothing here knows of captures or of the field file.
+
+mod error;
+mod motion;
+mod npz;
+
+pub use error::ExportError;
+pub use npz::{
+    FieldNpzOptions, NpzError, ReadField, read_field_npz, read_field_npz_with, read_motion_npz,
+    write_field_npz, write_motion_npz,
+};
