@@ -1,0 +1,171 @@
+use crate::parameter::trimmed_text;
+use crate::{BLOCK, Header, Processor, ReadError, Warning};
+use std::io::{Read, Seek, SeekFrom};
+
+/// The second byte of every C3D file.
+const KEY: u8 = 0x50;
+/// Zeros before the header that are skipped at most.
+const MAX_LEADING_ZEROS: usize = 4096;
+
+/// What the first blocks tell.
+#[derive(Debug)]
+pub(super) struct Start {
+    pub header: Header,
+    pub processor: Processor,
+    /// Bytes before the header; all block numbers count from here.
+    pub base: u64,
+    /// Where the parameter section starts.
+    pub section_start: u64,
+    /// Blocks of the parameter section by its own count, which wraps beyond 255.
+    pub section_blocks: u8,
+    /// Bytes in the file.
+    pub file_bytes: u64,
+}
+
+impl Start {
+    /// Where a block (counted from 1) starts; block 0 is none.
+    pub fn block_start(&self, block: u64) -> Option<u64> {
+        Some(self.base + block.checked_sub(1)?.checked_mul(BLOCK)?)
+    }
+}
+
+/// Reads the header, finds the parameter section and the processor that wrote both.
+pub(super) fn read_start<R: Read + Seek>(
+    inner: &mut R,
+    warnings: &mut Vec<Warning>,
+) -> Result<Start, ReadError> {
+    let file_bytes = inner.seek(SeekFrom::End(0))?;
+    let base = skip_zeros(inner, file_bytes, warnings)?;
+    let mut block = [0; BLOCK as usize];
+    if file_bytes < base + BLOCK + 4 {
+        return Err(ReadError::TooShort { found: file_bytes, expected: base + BLOCK + 4 });
+    }
+    inner.seek(SeekFrom::Start(base))?;
+    inner.read_exact(&mut block)?;
+    if block[1] != KEY {
+        return Err(ReadError::NotC3d { offset: base + 1, found: block[1] });
+    }
+    let (section_start, prefix) = find_section(inner, base, block[0], warnings)?;
+    let number = prefix[3];
+    let processor = match Processor::from_number(number) {
+        Some(processor) => processor,
+        None => assume_processor(&block, section_start + 3, number, warnings)?,
+    };
+    let header = parse_header(&block, processor);
+    Ok(Start { header, processor, base, section_start, section_blocks: prefix[2], file_bytes })
+}
+
+/// Reads the parameter section, without its first four bytes: up to the data or as many blocks as it counts,
+/// whichever is more, for either number can be too small.
+pub(super) fn read_parameter_section<R: Read + Seek>(
+    inner: &mut R,
+    start: &Start,
+) -> Result<Vec<u8>, ReadError> {
+    let by_count = start.section_start + u64::from(start.section_blocks) * BLOCK;
+    let by_data = start.block_start(u64::from(start.header.data_block)).unwrap_or(0);
+    let end = by_count.max(by_data).min(start.file_bytes);
+    let begin = start.section_start + 4;
+    inner.seek(SeekFrom::Start(begin))?;
+    let mut section = Vec::new();
+    inner.take(end.saturating_sub(begin)).read_to_end(&mut section)?;
+    Ok(section)
+}
+
+fn skip_zeros<R: Read + Seek>(
+    inner: &mut R,
+    file_bytes: u64,
+    warnings: &mut Vec<Warning>,
+) -> Result<u64, ReadError> {
+    inner.seek(SeekFrom::Start(0))?;
+    let mut bytes = Vec::new();
+    inner.take(MAX_LEADING_ZEROS as u64).read_to_end(&mut bytes)?;
+    let n_zeros = bytes.iter().take_while(|&&b| b == 0).count();
+    // Fewer bytes than a header behind the zeros: leave it to the checks that follow to say what is wrong.
+    if n_zeros == 0 || n_zeros == bytes.len() || file_bytes < n_zeros as u64 + BLOCK {
+        return Ok(0);
+    }
+    warnings.push(Warning::LeadingZeros { n_bytes: n_zeros as u64 });
+    Ok(n_zeros as u64)
+}
+
+/// The parameter section's place and first four bytes: where the header says, or else in the usual block 2.
+fn find_section<R: Read + Seek>(
+    inner: &mut R,
+    base: u64,
+    block: u8,
+    warnings: &mut Vec<Warning>,
+) -> Result<(u64, [u8; 4]), ReadError> {
+    let mut prefix_at = |block: u8| {
+        let start = base + u64::from(block.max(1) - 1) * BLOCK;
+        let mut prefix = [0; 4];
+        inner.seek(SeekFrom::Start(start))?;
+        match inner.read_exact(&mut prefix) {
+            Ok(()) => Ok((start, prefix)),
+            Err(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => Ok((start, [0; 4])),
+            Err(e) => Err(e),
+        }
+    };
+    let stated = prefix_at(block)?;
+    if block > 1 && Processor::from_number(stated.1[3]).is_some() {
+        return Ok(stated);
+    }
+    let usual = prefix_at(2)?;
+    if block != 2 && Processor::from_number(usual.1[3]).is_some() {
+        warnings.push(Warning::ParameterBlock { found: block, used: 2 });
+        return Ok(usual);
+    }
+    Ok(if block > 1 { stated } else { usual })
+}
+
+/// The one processor for which the header makes sense.
+fn assume_processor(
+    block: &[u8; BLOCK as usize],
+    offset: u64,
+    found: u8,
+    warnings: &mut Vec<Warning>,
+) -> Result<Processor, ReadError> {
+    let all = [Processor::Intel, Processor::Dec, Processor::Mips];
+    let mut sensible = all.into_iter().filter(|&p| makes_sense(&parse_header(block, p)));
+    match (sensible.next(), sensible.next()) {
+        (Some(processor), None) => {
+            warnings.push(Warning::ProcessorAssumed { offset, found, assumed: processor.number() });
+            Ok(processor)
+        }
+        _ => Err(ReadError::Processor { offset, found }),
+    }
+}
+
+/// Rates and scales that a file can have: one in the other's encoding is far outside.
+fn makes_sense(header: &Header) -> bool {
+    (1.0..1e5).contains(&header.rate_hz)
+        && (1e-6..1e3).contains(&header.scale.abs())
+        && header.data_block > 1
+        && header.first_frame <= header.last_frame
+}
+
+fn parse_header(block: &[u8; BLOCK as usize], processor: Processor) -> Header {
+    // Words are counted from 1 in every description of the format.
+    let word = |n: usize| processor.read_u16([block[2 * n - 2], block[2 * n - 1]]);
+    let float =
+        |n: usize| processor.read_f32([block[2 * n - 2], block[2 * n - 1], block[2 * n], block[2 * n + 1]]);
+    Header {
+        parameter_block: block[0],
+        n_points: word(2),
+        analog_words: word(3),
+        first_frame: word(4),
+        last_frame: word(5),
+        max_gap: word(6),
+        scale: float(7),
+        data_block: word(9),
+        analog_samples: word(10),
+        rate_hz: float(11),
+        events: (0..event_count(word(150), word(151)))
+            .map(|i| (trimmed_text(&block[396 + 4 * i..400 + 4 * i]), float(153 + 2 * i)))
+            .collect(),
+    }
+}
+
+/// Word 150 is 12345 if the header has events, 18 at most.
+fn event_count(key: u16, count: u16) -> usize {
+    if key == 12345 { usize::from(count).min(18) } else { 0 }
+}

@@ -1,0 +1,141 @@
+mod record;
+
+use crate::parameter::{Group, Parameter, Parameters};
+use crate::{Processor, Warning};
+use record::{Content, Record};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Reads the records of a parameter section, as far as they can be followed.
+///
+/// `bytes` starts behind the section's first four bytes, `section_start` is the place of these in the file.
+///
+/// Each record tells twice where the next one is: by its contents and by a pointer. Either can be wrong in real
+/// files (no length of the description, the other byte order, a pointer that overflows), so the pointer is followed
+/// if a record stands there, and else the contents.
+pub(super) fn read_parameters(
+    bytes: &[u8],
+    processor: Processor,
+    section_start: u64,
+    warnings: &mut Vec<Warning>,
+) -> Parameters {
+    let section = Section { bytes, processor, offset: section_start + 4 };
+    let contents = section.contents(warnings);
+    let parameters = Parameters { groups: grouped(contents) };
+    if parameters.groups.iter().all(|g| g.parameters.is_empty()) {
+        warnings.push(Warning::NoParameters);
+    }
+    report_groups(&parameters, warnings);
+    parameters
+}
+
+/// The bytes of a parameter section.
+#[derive(Clone, Copy)]
+struct Section<'a> {
+    bytes: &'a [u8],
+    processor: Processor,
+    /// Place of the first byte in the file, for messages.
+    offset: u64,
+}
+
+impl Section<'_> {
+    /// What the records hold, in order.
+    fn contents(self, warnings: &mut Vec<Warning>) -> Vec<Content> {
+        let mut contents = Vec::new();
+        let mut at = 0;
+        loop {
+            let record = match record::read(self.bytes, at, self.processor) {
+                Ok(Some(record)) => record,
+                Ok(None) => break,
+                Err(reason) => {
+                    warnings.push(Warning::BrokenParameters { offset: self.place(at), reason });
+                    break;
+                }
+            };
+            let next = self.next(at, &record, warnings);
+            contents.push(record.content);
+            match next {
+                Some(next) => at = next,
+                None => break,
+            }
+        }
+        contents
+    }
+
+    /// Where the record after this one starts; `None` if this is the last.
+    fn next(self, at: usize, record: &Record, warnings: &mut Vec<Warning>) -> Option<usize> {
+        let pointer = self.processor.read_u16(record.pointer);
+        if pointer == 0 {
+            return None;
+        }
+        let stated = record.pointer_at + usize::from(pointer);
+        let swapped = record.pointer_at + usize::from(pointer.swap_bytes());
+        // All places lie behind the pointer, so that reading always comes to an end.
+        let places = [stated, record.end, swapped];
+        let is_record =
+            |place: &usize| matches!(record::read(self.bytes, *place, self.processor), Ok(Some(_)));
+        let is_end = |place: &usize| matches!(record::read(self.bytes, *place, self.processor), Ok(None));
+        let found = places.into_iter().find(is_record).or_else(|| places.into_iter().find(is_end));
+        // If there is nothing anywhere, the place that the pointer names will say what is wrong there.
+        let used = found.unwrap_or(stated);
+        if used != stated {
+            warnings.push(Warning::BadOffset {
+                offset: self.place(at),
+                name: record.content.name().to_owned(),
+                found: self.place(stated),
+                used: self.place(used),
+            });
+        }
+        Some(used)
+    }
+
+    fn place(self, at: usize) -> u64 {
+        self.offset + at as u64
+    }
+}
+
+/// Puts parameters into their groups, which may be named before or after them.
+fn grouped(contents: Vec<Content>) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    let mut place_of: BTreeMap<u8, usize> = BTreeMap::new();
+    let mut place = |groups: &mut Vec<Group>, id: u8| {
+        *place_of.entry(id).or_insert_with(|| {
+            groups.push(Group { id, ..Group::default() });
+            groups.len() - 1
+        })
+    };
+    for content in contents {
+        match content {
+            Content::Group(group) => {
+                let idx = place(&mut groups, group.id);
+                // A group that is named twice keeps its first name.
+                if groups[idx].name.is_empty() {
+                    groups[idx] = Group { parameters: std::mem::take(&mut groups[idx].parameters), ..group };
+                }
+            }
+            Content::Parameter(id, parameter) => {
+                let idx = place(&mut groups, id);
+                groups[idx].parameters.push(parameter);
+            }
+        }
+    }
+    groups
+}
+
+fn report_groups(parameters: &Parameters, warnings: &mut Vec<Warning>) {
+    for group in &parameters.groups {
+        let n_repeats = n_repeats(&group.parameters);
+        if n_repeats > 0 {
+            let group = group.name.clone();
+            warnings.push(Warning::DuplicateParameters { group, n_parameters: n_repeats });
+        }
+        if group.name.is_empty() {
+            let n_parameters = group.parameters.len();
+            warnings.push(Warning::UnnamedGroup { group_id: group.id, n_parameters });
+        }
+    }
+}
+
+fn n_repeats(parameters: &[Parameter]) -> usize {
+    let mut names = BTreeSet::new();
+    parameters.iter().filter(|p| !names.insert(p.name.to_ascii_uppercase())).count()
+}
