@@ -1,0 +1,141 @@
+use tousle_core::{Capture, Session};
+
+/// Why a session does not go with a capture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CheckError {
+    /// The session names markers that the capture does not have.
+    #[error("the session names markers that are not in the capture: {}", list(missing))]
+    MissingMarkers {
+        /// The markers, in the session's order.
+        missing: Vec<MissingMarker>,
+    },
+    /// Several subjects of the capture wear markers of the session's names.
+    #[error("marker {label}: found it on the subjects {subjects}, expected one: pass the subject")]
+    SeveralSubjects {
+        /// The first such marker.
+        label: String,
+        /// Who wears it.
+        subjects: String,
+    },
+}
+
+/// A marker that a session names and a capture does not have.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MissingMarker {
+    /// The marker.
+    pub label: String,
+    /// A label of the capture that is spelled nearly so.
+    pub nearest: Option<String>,
+}
+
+/// Checks that every marker of the session is in the capture; gives warnings for what is odd but can be used.
+///
+/// # Errors
+/// [`CheckError`] if a marker is missing, or if it is not clear whose it is.
+pub fn check_against(capture: &Capture, session: &Session) -> Result<Vec<String>, CheckError> {
+    let missing: Vec<MissingMarker> = session_labels(session)
+        .filter(|label| capture.trajectory(label).is_none())
+        .map(|label| MissingMarker { label: label.to_owned(), nearest: nearest(label, capture) })
+        .collect();
+    if !missing.is_empty() {
+        return Err(CheckError::MissingMarkers { missing });
+    }
+    session_labels(session).try_for_each(|label| check_subject(label, capture))?;
+    Ok(warnings(capture, session))
+}
+
+fn session_labels(session: &Session) -> impl Iterator<Item = &str> {
+    let head = session.head_markers.iter().map(|m| m.label.as_str());
+    head.chain(session.strands.iter().flat_map(|s| s.markers.iter().map(|m| m.label.as_str())))
+}
+
+fn check_subject(label: &str, capture: &Capture) -> Result<(), CheckError> {
+    let mut subjects: Vec<&str> = capture
+        .trajectories
+        .iter()
+        .filter(|t| t.label == label)
+        .map(|t| t.subject.as_deref().unwrap_or("(none)"))
+        .collect();
+    subjects.sort_unstable();
+    subjects.dedup();
+    if subjects.len() > 1 {
+        return Err(CheckError::SeveralSubjects { label: label.to_owned(), subjects: subjects.join(", ") });
+    }
+    Ok(())
+}
+
+fn warnings(capture: &Capture, session: &Session) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let mut warn = |text: String| warnings.push(text);
+    if let Some(rate) = session.rate_hz
+        && (rate - capture.rate_hz).abs() > 1e-3 * capture.rate_hz
+    {
+        warn(format!("the session says {rate} frames a second, the capture {}", capture.rate_hz));
+    }
+    let last_frame = capture.first_frame.saturating_add_unsigned(capture.n_frames as u64).saturating_sub(1);
+    let inside = |frame: i64| (capture.first_frame..=last_frame).contains(&frame);
+    if let Some((first, last)) =
+        session.still_frames.filter(|(first, last)| !inside(*first) || !inside(*last))
+    {
+        warn(format!(
+            "still frames {first} to {last} are not all in the capture (frames {} to {last_frame})",
+            capture.first_frame
+        ));
+    }
+    if let (Some(file), Some(session)) = (capture.up_axis, session.up_axis)
+        && file != session
+    {
+        warn(format!("the capture says {file:?} is up, the session {session:?}"));
+    }
+    for label in session_labels(session) {
+        let n_tracks = capture.trajectories.iter().filter(|t| t.label == label).count();
+        if n_tracks > 1 {
+            warn(format!("marker {label} is in the capture {n_tracks} times; the first is taken"));
+        }
+        if capture.trajectory(label).is_some_and(|t| t.track.n_valid() == 0) {
+            warn(format!("marker {label} was never seen"));
+        }
+    }
+    warnings
+}
+
+/// The label of the capture that is fewest typing errors away, if they are few enough to be that.
+fn nearest(label: &str, capture: &Capture) -> Option<String> {
+    let candidates = capture.trajectories.iter().filter(|t| !t.is_unlabeled());
+    let ranked = candidates.map(|t| (distance(&fold(label), &fold(&t.label)), &t.label));
+    let (errors, best) = ranked.min_by_key(|(errors, _)| *errors)?;
+    (errors <= 1 + label.chars().count() / 4).then(|| best.clone())
+}
+
+/// Case and the marks people put between words say little.
+fn fold(label: &str) -> Vec<char> {
+    label.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+}
+
+/// Levenshtein's distance: letters to insert, drop or change.
+pub(crate) fn distance(a: &[char], b: &[char]) -> usize {
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, from) in a.iter().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, to) in b.iter().enumerate() {
+            let change = diagonal + usize::from(from != to);
+            diagonal = row[j + 1];
+            row[j + 1] = change.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+fn list(missing: &[MissingMarker]) -> String {
+    const LONGEST: usize = 8;
+    let one = |m: &MissingMarker| match &m.nearest {
+        Some(nearest) => format!("{} (the capture has {nearest})", m.label),
+        None => m.label.clone(),
+    };
+    let mut text: Vec<String> = missing.iter().take(LONGEST).map(one).collect();
+    if missing.len() > LONGEST {
+        text.push(format!("and {} more", missing.len() - LONGEST));
+    }
+    text.join(", ")
+}

@@ -1,0 +1,41 @@
+//! Every capture of the shared folder, its session beside it.
+
+use std::path::{Path, PathBuf};
+use tousle_ingest::{IngestOptions, check_against, read_capture, read_session};
+
+const CAPTURES: [&str; 6] =
+    ["steady_front", "gusts_left", "sweep_0_120", "turbulent_dirty", "two_fans", "nod_turn"];
+
+fn shared() -> Option<PathBuf> {
+    let folder = std::env::var_os("TOUSLE_SHARED");
+    if folder.is_none() {
+        println!("skipped: TOUSLE_SHARED is not set");
+    }
+    folder.map(PathBuf::from)
+}
+
+fn bytes(path: &Path) -> Vec<u8> {
+    std::fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+#[test]
+fn csv_and_session_of_every_capture_go_together() {
+    let Some(shared) = shared() else { return };
+    for name in CAPTURES {
+        let folder = shared.join("captures").join(name);
+        let session = read_session(&bytes(&folder.join("session.json"))).unwrap();
+        let options = IngestOptions::from_session(&session);
+        let ingested = read_capture(&bytes(&folder.join(format!("{name}.csv"))), &options).unwrap();
+        let capture = &ingested.capture;
+        assert_eq!(ingested.report.warnings, [""; 0], "{name}");
+        assert_eq!(check_against(capture, &session).unwrap(), [""; 0], "{name}");
+        assert_eq!((capture.rate_hz, capture.first_frame), (120.0, 1), "{name}");
+        assert!(capture.n_frames >= 600, "{name}");
+        assert_eq!(session.strands.len(), 27, "{name}");
+        let assumed: Vec<&str> = session.assumed.iter().map(|a| a.what.as_str()).collect();
+        assert_eq!(assumed, ["head_pivot_mm", "friction"], "{name}");
+        // The note in the files says where the head really turns: the default is near.
+        let pivot = tousle_core::Vec3::new(-0.020, 0.0, -0.110);
+        assert!((session.body.pivot_m - pivot).norm() < 0.006, "{name}");
+    }
+}
