@@ -1,3 +1,4 @@
+use tousle_core::GroomError;
 use tousle_field::FieldError;
 
 /// Why nothing, or not all, was written.
@@ -10,6 +11,17 @@ pub enum ExportError {
     /// The motion's arrays do not fit together, or hold a number that is not finite.
     #[error("the motion: found {found}, expected {expected}")]
     BadMotion {
+        /// What is there.
+        found: String,
+        /// What should be.
+        expected: String,
+    },
+    /// The groom cannot be used.
+    #[error("the groom cannot be used")]
+    BadGroom(#[from] GroomError),
+    /// The options ask for what is not there.
+    #[error("options: found {found}, expected {expected}")]
+    BadOptions {
         /// What is there.
         found: String,
         /// What should be.

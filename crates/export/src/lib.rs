@@ -5,15 +5,18 @@
 //!
 //! - [`write_motion_npz`], [`write_field_npz`]: arrays for NumPy; [`read_motion_npz`], [`read_field_npz`] read
 //!   them back, and wind from elsewhere.
+//! - [`write_motion_usda`]: hair as curves or reed-shaped ribbons for everything that reads USD.
 //!
 //! *Invariant:* nothing here knows of captures or of the field file.
 
 mod error;
 mod motion;
 mod npz;
+mod usd;
 
 pub use error::ExportError;
 pub use npz::{
     FieldNpzOptions, NpzError, ReadField, read_field_npz, read_field_npz_with, read_motion_npz,
     write_field_npz, write_motion_npz,
 };
+pub use usd::{CurveType, HairGeometry, UsdOptions, write_motion_usda};

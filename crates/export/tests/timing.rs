@@ -6,8 +6,8 @@
 use std::io::{BufWriter, Seek, Write};
 use std::time::Instant;
 
-use tousle_core::{Quantity, StrandMotion, Vec3};
-use tousle_export::{write_field_npz, write_motion_npz};
+use tousle_core::{Groom, Quantity, Strand, StrandMotion, Vec3};
+use tousle_export::{HairGeometry, UsdOptions, write_field_npz, write_motion_npz, write_motion_usda};
 use tousle_field::{Field, FieldSequence, GridSpec};
 
 /// 10,000 strands of 16 points in 24 frames, swinging.
@@ -29,6 +29,20 @@ fn motion() -> StrandMotion {
         times_secs: (0..n_frames).map(|k| f64::from(k) / 24.0).collect(),
         positions_m,
     }
+}
+
+/// A groom that hangs as the motion begins.
+fn groom(motion: &StrandMotion) -> Groom {
+    let strand = |k: usize| Strand {
+        name: k.to_string(),
+        rest_curve_m: motion.strand(0, k).iter().map(|p| Vec3::from(p.map(f64::from))).collect(),
+        length_m: 0.25,
+        linear_density_kg_per_m: 1e-3,
+        lock_width_m: 0.001,
+        bending_stiffness_n_m2: 1e-6,
+        internal_damping_secs: 0.02,
+    };
+    Groom { strands: (0..motion.counts.len()).map(strand).collect(), assumed: Vec::new() }
 }
 
 /// 30³ voxels in 150 steps of smooth wind with noise in its last bits, as fields from captures have.
@@ -65,7 +79,12 @@ fn time(what: &str, write: impl FnOnce(&mut BufWriter<std::fs::File>)) {
 #[ignore = "takes seconds and prints figures"]
 fn writers() {
     let (motion, field) = (motion(), field());
+    let groom = groom(&motion);
     println!("motion: 10,000 strands x 16 points x 24 frames; field: 30^3 voxels x 150 steps");
     time("motion .npz", |out| write_motion_npz(&motion, out).unwrap());
+    let mut options = UsdOptions::default();
+    time("curves .usda", |out| write_motion_usda(&motion, &groom, &options, out).unwrap());
+    options.geometry = HairGeometry::Reeds;
+    time("reeds .usda", |out| write_motion_usda(&motion, &groom, &options, out).unwrap());
     time("field .npz", |out| write_field_npz(&field, out).unwrap());
 }

@@ -1,0 +1,34 @@
+//! Hair as thin `BasisCurves`.
+
+use std::io::{self, Write};
+
+use super::hair::{Hair, write_color, write_extents};
+use super::options::CurveType;
+use super::text::Text;
+
+pub(super) fn write_curves<W: Write>(text: &mut Text<W>, hair: &Hair<'_>, kind: CurveType) -> io::Result<()> {
+    text.open_prim("BasisCurves", "Curves")?;
+    match kind {
+        CurveType::Linear => text.line(format_args!("uniform token type = \"linear\""))?,
+        CurveType::CatmullRom => {
+            text.line(format_args!("uniform token type = \"cubic\""))?;
+            text.line(format_args!("uniform token basis = \"catmullRom\""))?;
+            // Without this the first and the last segment of each strand would not be drawn.
+            text.line(format_args!("uniform token wrap = \"pinned\""))?;
+        }
+    }
+    let counts = &hair.motion.counts;
+    text.array("int[] curveVertexCounts", counts, |text, n| text.usize(*n), "")?;
+    text.array("float[] widths", &hair.widths_m, |text, w| text.f32(*w), " (interpolation = \"uniform\")")?;
+    text.array("int[] primvars:id", 0..counts.len(), Text::usize, " (interpolation = \"uniform\")")?;
+    write_color(text)?;
+    let widest = hair.widths_m.iter().copied().fold(0.0, f32::max);
+    write_extents(text, &hair.codes, |frame, bounds| {
+        hair.motion.frame(frame).iter().for_each(|p| bounds.add(*p));
+        bounds.grow(widest / 2.0);
+    })?;
+    text.samples("point3f[] points", &hair.codes, |text, frame| {
+        text.list(hair.motion.frame(frame), |text, p| text.tuple(*p))
+    })?;
+    text.close("}")
+}
