@@ -1,8 +1,8 @@
 //! The head's markers give its pose: `Capture` → `HeadCapture`.
 //!
 //! [`locate_head`] finds in every frame the rigid transform that carries the markers' places on the head to
-//! where the cameras saw them, from whichever markers are there and behave, and expresses every lock in head
-//! space. [`pose_track`] makes of the poses the smooth track that a field file carries.
+//! where the cameras saw them, from whichever markers are there and behave, smooths the poses into the track that
+//! a field file carries, and expresses every lock in head space.
 
 mod locate;
 mod registration;
@@ -10,4 +10,4 @@ mod shape;
 mod smooth;
 
 pub use locate::{HeadError, HeadOptions, HeadReport, Located, MarkerReport, locate_head};
-pub use smooth::{PoseTrackReport, SmoothOptions, TrackedPoses, pose_track};
+pub use smooth::{PoseTrackReport, SmoothOptions, TrackedPoses};

@@ -1,23 +1,20 @@
 use nalgebra::UnitQuaternion;
 use serde::Serialize;
-use tousle_core::{HeadCapture, Pose, PoseTrack, Vec3};
+use tousle_core::{Pose, PoseTrack, Vec3};
 
 /// How poses become a smooth track.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SmoothOptions {
-    /// Length of the window a parabola is fitted to, s.
+    /// Length of the window a parabola is fitted to, s; `None` lets the poses choose.
     ///
-    /// Raised, quick nods are rounded off (0.1 s keeps 3 Hz to 2 %); lowered, the cameras' noise shakes the
-    /// hair: the acceleration's noise falls with the window to the power 5/2 and is 0.03 m/s² here for 0.15 mm
-    /// markers at 120 Hz.
-    pub window_secs: f64,
+    /// Raised, quick nods are rounded off; lowered, the cameras' noise shakes the hair, as the acceleration's
+    /// noise falls with the window to the power 5/2. The poses choose by leave-one-out cross-validation: the
+    /// window whose parabola foretells a pose best from the others.
+    pub window_secs: Option<f64>,
 }
 
-impl Default for SmoothOptions {
-    fn default() -> Self {
-        Self { window_secs: 0.1 }
-    }
-}
+/// Windows to choose from, s: from what a quick nod asks for to what a slow turn allows.
+const WINDOWS_SECS: [f64; 6] = [0.05, 0.075, 0.1, 0.15, 0.2, 0.3];
 
 /// A smooth pose track, the pose at rest, and how they came about.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +27,13 @@ pub struct TrackedPoses {
     pub report: PoseTrackReport,
 }
 
+impl TrackedPoses {
+    /// The smooth pose of a frame of the capture.
+    pub(crate) fn pose(&self, frame: usize) -> &Pose {
+        &self.poses.poses[frame.min(self.poses.poses.len() - 1)]
+    }
+}
+
 /// How a pose track came about.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PoseTrackReport {
@@ -37,13 +41,15 @@ pub struct PoseTrackReport {
     pub frames_bridged: usize,
     /// Whether the head moved at all, beyond the noise.
     pub moves: bool,
+    /// Length of the window that was smoothed over, s.
+    pub window_secs: f64,
     /// Root mean square difference between measured and smooth positions, m.
     pub smoothing_m: f64,
     /// The same for the angle, rad.
     pub smoothing_rad: f64,
 }
 
-/// Makes of the poses of a capture the smooth track that a field file carries.
+/// Makes of the poses of a capture a smooth track.
 ///
 /// Position and rotation vector (about the pose in the window's middle) are fitted by a parabola over a sliding
 /// window (Savitzky and Golay 1964), frames without a pose bridged by the same fit. A head whose smooth poses
@@ -52,15 +58,15 @@ pub struct PoseTrackReport {
 ///
 /// # Panics
 /// If no frame has a pose; `locate_head` refuses such a capture.
-pub fn pose_track(
-    head: &HeadCapture,
+pub(crate) fn pose_track(
+    poses: &[Option<Pose>],
+    rate_hz: f64,
     still: Option<(usize, usize)>,
     options: &SmoothOptions,
 ) -> TrackedPoses {
-    let half = ((options.window_secs * head.rate_hz / 2.0).round() as usize).max(1);
-    let known: Vec<(usize, Pose)> =
-        head.poses.iter().enumerate().filter_map(|(f, p)| Some((f, p.as_ref()?.world_from_head))).collect();
-    let smooth: Vec<Pose> = (0..head.n_frames()).map(|frame| smooth_pose(&known, frame, half)).collect();
+    let known: Vec<(usize, Pose)> = poses.iter().enumerate().filter_map(|(f, p)| Some((f, (*p)?))).collect();
+    let half = options.window_secs.map_or_else(|| best_half(&known, rate_hz), |secs| half(secs, rate_hz));
+    let smooth: Vec<Pose> = (0..poses.len()).map(|frame| smooth_pose(&known, frame, half)).collect();
     let rest: Vec<Pose> = match still {
         Some((first, last)) => {
             known.iter().filter(|(f, _)| (first..=last).contains(f)).map(|(_, p)| *p).collect()
@@ -78,14 +84,47 @@ pub fn pose_track(
         rms_difference(&smooth.iter().copied().enumerate().collect::<Vec<_>>(), &|_| whole);
     // Twice that: slow drifts of the cameras are no motion of the head either.
     let moves = stray_m > 2.0 * kept * smoothing_m || stray_rad > 2.0 * kept * smoothing_rad;
-    let poses = if moves {
-        PoseTrack { start_secs: 0.0, rate_hz: head.rate_hz, poses: smooth }
-    } else {
-        PoseTrack::still(whole)
-    };
-    let report =
-        PoseTrackReport { frames_bridged: head.n_frames() - known.len(), moves, smoothing_m, smoothing_rad };
-    TrackedPoses { poses, rest_pose: if moves { rest_pose } else { whole }, report }
+    let track =
+        if moves { PoseTrack { start_secs: 0.0, rate_hz, poses: smooth } } else { PoseTrack::still(whole) };
+    let frames_bridged = poses.len() - known.len();
+    let window_secs = (2 * half + 1) as f64 / rate_hz;
+    let report = PoseTrackReport { frames_bridged, moves, window_secs, smoothing_m, smoothing_rad };
+    TrackedPoses { poses: track, rest_pose: if moves { rest_pose } else { whole }, report }
+}
+
+/// Frames on each side of a window's middle.
+fn half(window_secs: f64, rate_hz: f64) -> usize {
+    ((window_secs * rate_hz / 2.0).round() as usize).max(2)
+}
+
+/// The window that foretells each pose best from the others.
+fn best_half(known: &[(usize, Pose)], rate_hz: f64) -> usize {
+    let halves = WINDOWS_SECS.map(|secs| half(secs, rate_hz));
+    let errors = halves.map(|half| foretelling_error(known, half));
+    let best = (0..halves.len()).min_by(|&a, &b| errors[a].total_cmp(&errors[b]));
+    halves[best.unwrap_or(0)]
+}
+
+/// Mean square difference between a pose and what the others in its window say of it: m² of the center plus m²
+/// of a point 0.1 m from it, so that turns and travel count as they move hair.
+fn foretelling_error(known: &[(usize, Pose)], half: usize) -> f64 {
+    const LEVER_M: f64 = 0.1;
+    let mut sum = 0.0;
+    // Some hundred frames tell as much as all.
+    let stride = known.len() / 400 + 1;
+    for (at, (frame, pose)) in known.iter().enumerate().step_by(stride) {
+        let mut others: Vec<(usize, Pose)> = known[..at].to_vec();
+        let from = others.partition_point(|(f, _)| *f + half < *frame);
+        others.drain(..from);
+        others.extend(known[at + 1..].iter().take_while(|(f, _)| *f <= frame + half));
+        if others.len() < 3 {
+            continue;
+        }
+        let foretold = smooth_pose(&others, *frame, half);
+        let angle = foretold.rotation.angle_to(&pose.rotation) * LEVER_M;
+        sum += (foretold.translation.vector - pose.translation.vector).norm_squared() + angle * angle;
+    }
+    sum
 }
 
 /// The parabola over the window about a frame; the window grows until it holds three poses (or all there are).
@@ -157,25 +196,13 @@ fn rms_difference(poses: &[(usize, Pose)], reference: &dyn Fn(usize) -> Pose) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tousle_core::HeadPose;
-
-    fn capture(poses: impl Iterator<Item = Option<Pose>>) -> HeadCapture {
-        let head_pose =
-            |world_from_head| HeadPose { world_from_head, fit_residual_m: 0.0, n_used: 8, n_visible: 8 };
-        HeadCapture {
-            rate_hz: 120.0,
-            first_frame: 1,
-            poses: poses.map(|p| p.map(head_pose)).collect(),
-            strands: Vec::new(),
-        }
-    }
-
     /// A parabola in time is kept exactly, also across a gap.
     #[test]
     fn an_even_acceleration_is_kept() {
         let pose = |k: f64| Pose::translation(1e-3 * k + 1e-5 * k * k, 0.0, 1.5);
         let poses = (0..60).map(|k| (!(20..24).contains(&k)).then(|| pose(f64::from(k))));
-        let tracked = pose_track(&capture(poses), None, &SmoothOptions::default());
+        let poses: Vec<_> = poses.collect();
+        let tracked = pose_track(&poses, 120.0, None, &SmoothOptions::default());
         assert!(tracked.report.moves);
         assert_eq!(tracked.report.frames_bridged, 4);
         for k in [10, 22, 40] {
@@ -201,7 +228,7 @@ mod tests {
                 ))
             })
             .collect();
-        let tracked = pose_track(&capture(poses.into_iter()), None, &SmoothOptions::default());
+        let tracked = pose_track(&poses, 120.0, None, &SmoothOptions::default());
         assert!(!tracked.report.moves, "{:?}", tracked.report);
         assert!(tracked.poses.is_still());
     }
