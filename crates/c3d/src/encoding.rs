@@ -66,6 +66,12 @@ impl Processor {
         }
     }
 
+    /// Whether a float of this processor can be this number: finite, and for a VAX below 2^127.
+    pub(crate) fn holds(self, value: f32) -> bool {
+        let limit = if self == Self::Dec { f32::from_bits(254 << 23) } else { f32::INFINITY };
+        value.abs() < limit
+    }
+
     pub(crate) fn write_f32(self, value: f32) -> [u8; 4] {
         match self {
             Self::Intel => value.to_le_bytes(),
@@ -93,7 +99,7 @@ impl Storage {
 /// A VAX F float: the two 16-bit words of an IEEE float swapped, 0.1f times two to the exponent less 128, so
 /// that it reads as four times the number in IEEE terms. Exponent 0 is zero whatever the fraction says, or,
 /// with the sign set, a reserved operand, which we give as NaN.
-/// Source: VAX Architecture Reference Manual, "F_floating data".
+/// Source: VAX Architecture Reference Manual, "`F_floating` data".
 #[inline]
 fn f32_from_dec([b0, b1, b2, b3]: [u8; 4]) -> f32 {
     let bits = u32::from_le_bytes([b2, b3, b0, b1]);
@@ -134,5 +140,47 @@ fn small_dec_from_f32(fraction: u32, sign: u32) -> u32 {
         0x40_0000.. => sign | (2 << 23) | ((fraction << 1) & 0x7f_ffff),
         0x20_0000.. => sign | (1 << 23) | ((fraction << 2) & 0x7f_ffff),
         _ => 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// VAX F: the word with sign and exponent first; 1.0 is 0.1 binary times 2^1, so its exponent is 129.
+    #[test]
+    fn vax_floats() {
+        let check = |bytes: [u8; 4], value: f32| {
+            assert_eq!(Processor::Dec.read_f32(bytes), value);
+            assert_eq!(Processor::Dec.write_f32(value), bytes);
+        };
+        check([0x80, 0x40, 0x00, 0x00], 1.0);
+        check([0x80, 0xc0, 0x00, 0x00], -1.0);
+        check([0x60, 0x41, 0x00, 0x00], 3.5);
+        check([0x49, 0x41, 0xd0, 0x0f], 3.141_59);
+        check([0x00, 0x00, 0x00, 0x00], 0.0);
+        // The largest, and the smallest, which is a denormal of IEEE 754.
+        check([0xff, 0x7f, 0xff, 0xff], 1.701_411_7e38);
+        check([0x80, 0x00, 0x00, 0x00], f32::from_bits(0x20_0000));
+        check([0x00, 0x01, 0x00, 0x00], f32::from_bits(0x40_0000));
+    }
+
+    #[test]
+    fn what_a_vax_float_is_not() {
+        assert!(Processor::Dec.read_f32([0x00, 0x80, 0x00, 0x00]).is_nan(), "reserved operand");
+        assert_eq!(Processor::Dec.read_f32([0x7f, 0x00, 0xff, 0xff]), 0.0, "exponent 0 is zero");
+        assert_eq!(Processor::Dec.write_f32(1e-45), [0; 4], "too small");
+        assert!(Processor::Dec.holds(1.701_411_7e38));
+        assert!(!Processor::Dec.holds(1.701_411_8e38));
+        assert!(!Processor::Dec.holds(f32::NAN));
+    }
+
+    #[test]
+    fn byte_orders() {
+        assert_eq!(Processor::Intel.read_u16([0x39, 0x30]), 12345);
+        assert_eq!(Processor::Dec.read_u16([0x39, 0x30]), 12345);
+        assert_eq!(Processor::Mips.read_u16([0x30, 0x39]), 12345);
+        assert_eq!(Processor::Mips.read_f32([0x3f, 0x80, 0x00, 0x00]), 1.0);
+        assert_eq!(Processor::Intel.read_f32([0x00, 0x00, 0x80, 0x3f]), 1.0);
     }
 }

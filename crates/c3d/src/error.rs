@@ -62,3 +62,85 @@ pub enum ReadError {
         n_frames: usize,
     },
 }
+
+/// Why a file cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// Writing failed.
+    #[error("cannot write the C3D data")]
+    Io(#[from] std::io::Error),
+    /// The format has no way to say that there are no frames.
+    #[error("a C3D file has one frame at least")]
+    NoFrames,
+    /// Another number of frames was written than the trial has.
+    #[error("frame {found} was written or is missing, the trial has {expected} frames")]
+    FrameCount {
+        /// Frames that were written, or would have been.
+        found: usize,
+        /// Frames of the trial.
+        expected: usize,
+    },
+    /// A frame has another number of points than the trial has labels.
+    #[error("frame {frame} has {found} points, the trial has {expected} labels")]
+    PointCount {
+        /// Index of the frame, from 0.
+        frame: usize,
+        /// Points in the frame.
+        found: usize,
+        /// Labels of the trial.
+        expected: usize,
+    },
+    /// A point cannot be stored.
+    #[error("point {point_idx} of frame {frame} cannot be stored: {reason}")]
+    Point {
+        /// Index of the frame, from 0.
+        frame: usize,
+        /// Index of the point, from 0.
+        point_idx: usize,
+        /// Why.
+        reason: &'static str,
+    },
+    /// A number cannot be stored.
+    #[error("{name} is {value}, which the file's floats cannot hold or which makes no sense there")]
+    Number {
+        /// What it is.
+        name: String,
+        /// The number.
+        value: f32,
+    },
+    /// A text cannot be stored.
+    #[error("the text {text:?} cannot be stored: {reason}")]
+    Text {
+        /// The text.
+        text: String,
+        /// Why.
+        reason: &'static str,
+    },
+    /// Something is larger than the format allows.
+    #[error("{what} would be {found}, the format allows {limit}")]
+    TooLarge {
+        /// What.
+        what: &'static str,
+        /// How much or many.
+        found: u64,
+        /// How much or many may be.
+        limit: u64,
+    },
+    /// A parameter has another number of values than its dimensions say.
+    #[error("parameter {name} has {found} values, its dimensions make {expected}")]
+    Shape {
+        /// Group and name.
+        name: String,
+        /// Values.
+        found: usize,
+        /// Product of the dimensions.
+        expected: usize,
+    },
+    /// A parameter that the writer makes itself was given.
+    #[error("parameter {name} follows from the trial or belongs to data that is not written")]
+    Reserved {
+        /// Group and name.
+        name: String,
+    },
+}

@@ -135,7 +135,7 @@ pub(crate) fn events(parameters: &Parameters) -> Vec<Event> {
 
 /// Channels are what `ANALOG:USED` says if that divides the words of a frame, or else what the header's samples do.
 pub(crate) fn analog(parameters: &Parameters, analog_words: u64, header_samples: u16) -> Analog {
-    let used = parameters.count("ANALOG", "USED").filter(|&n| n > 0 && analog_words % n == 0);
+    let used = parameters.count("ANALOG", "USED").filter(|&n| n > 0 && analog_words.is_multiple_of(n));
     let n_channels = used.unwrap_or(analog_words / u64::from(header_samples.max(1)));
     let n_samples_per_frame = analog_words.checked_div(n_channels).unwrap_or(0) as usize;
     let n_channels = if analog_words == 0 { 0 } else { n_channels as usize };

@@ -1,1 +1,2 @@
 pub(crate) mod reader;
+pub(crate) mod writer;

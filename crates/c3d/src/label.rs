@@ -60,7 +60,7 @@ pub(crate) fn kinds(parameters: &Parameters, labels: &[String], n_points: usize)
 
 /// Kinds that the file invents: `POINT:TYPE_GROUPS` lists pairs of parameter name and title.
 fn own_kinds(parameters: &Parameters) -> impl Iterator<Item = (String, PointKind)> {
-    let names = parameters.texts("POINT", "TYPE_GROUPS").into_iter().step_by(2);
+    let names = parameters.texts("POINT", "TYPE_GROUPS").into_iter().step_by(2).take(MAX_OWN_KINDS);
     names
         .filter(|name| !NOT_A_KIND.contains(&name.to_ascii_uppercase().as_str()))
         .map(|n| (n, PointKind::Other))
@@ -68,3 +68,5 @@ fn own_kinds(parameters: &Parameters) -> impl Iterator<Item = (String, PointKind
 
 /// Parameters of `POINT` that list labels of every kind.
 const NOT_A_KIND: [&str; 3] = ["", "LABELS", "DESCRIPTIONS"];
+/// Entries of one array; more would be no table of pairs.
+const MAX_OWN_KINDS: usize = 255;

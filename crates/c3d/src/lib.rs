@@ -25,16 +25,19 @@ mod io;
 mod label;
 mod parameter;
 mod point;
+mod trial;
 mod warning;
 
 pub use encoding::{Processor, Storage};
-pub use error::ReadError;
+pub use error::{ReadError, WriteError};
 pub use header::Header;
 pub use info::{Analog, Event, Info, Rotations, Subject};
 pub use io::reader::Reader;
+pub use io::writer::Writer;
 pub use label::PointKind;
 pub use parameter::{Group, Parameter, Parameters, Value};
 pub use point::Point;
+pub use trial::Trial;
 pub use warning::{Quantity, Warning};
 
 /// The unit in which header and parameters count places in the file.

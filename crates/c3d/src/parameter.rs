@@ -1,6 +1,7 @@
 mod group;
 
 pub use group::Group;
+use std::collections::BTreeMap;
 
 /// The parameter section: what a system knows of a trial, by group and name.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -61,14 +62,26 @@ impl Parameters {
     /// The texts of `NAME`, `NAME2`, `NAME3`… after one another: an array ends at 255 entries, and systems with
     /// more go on in the next.
     pub fn long_texts(&self, group: &str, name: &str) -> Vec<String> {
-        let mut texts = self.texts(group, name);
-        for part in 2_u32.. {
-            match self.get(group, &format!("{name}{part}")) {
-                Some(more) => texts.extend(more.texts()),
-                None => break,
+        let in_group = self.groups.iter().filter(|g| g.name.eq_ignore_ascii_case(group));
+        let mut parts = BTreeMap::new();
+        for parameter in in_group.flat_map(|g| &g.parameters) {
+            if let Some(part) = part_of(&parameter.name, name) {
+                parts.entry(part).or_insert(parameter);
             }
         }
-        texts
+        let in_a_row = (1..).zip(parts).take_while(|(part, (number, _))| part == number);
+        in_a_row.flat_map(|(_, (_, parameter))| parameter.texts()).collect()
+    }
+}
+
+/// Which part of `NAME`, `NAME2`, `NAME3`… a parameter is.
+fn part_of(parameter: &str, name: &str) -> Option<u32> {
+    let (stem, part) = parameter.split_at_checked(name.len())?;
+    match part {
+        _ if !stem.eq_ignore_ascii_case(name) => None,
+        "" => Some(1),
+        _ if part.starts_with(|c: char| c.is_ascii_digit()) => part.parse().ok().filter(|&n| n > 1),
+        _ => None,
     }
 }
 
@@ -111,4 +124,55 @@ impl Parameter {
 pub(crate) fn trimmed_text(bytes: &[u8]) -> String {
     let text: String = bytes.iter().map(|&b| char::from(b)).collect();
     text.trim_matches([' ', '\0']).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(name: &str, dimensions: &[u8], text: &str) -> Parameter {
+        let value = Value::Text(text.as_bytes().to_vec());
+        let dimensions = dimensions.to_vec();
+        Parameter { name: name.into(), description: String::new(), locked: false, dimensions, value }
+    }
+
+    fn point(parameters: Vec<Parameter>) -> Parameters {
+        Parameters { groups: vec![Group { name: "Point".into(), parameters, ..Group::default() }] }
+    }
+
+    #[test]
+    fn labels_go_on_in_the_next_array() {
+        let parameters = point(vec![
+            labels("LABELS3", &[2, 1], "EE"),
+            labels("LABELS", &[2, 2], "A \0B"),
+            labels("LABELS2", &[3, 2], " C DD "),
+            labels("LABELS5", &[1, 1], "X"),
+            labels("LABELS_OLD", &[1, 1], "Y"),
+        ]);
+        assert_eq!(parameters.long_texts("POINT", "LABELS"), ["A", "B", "C", "DD", "EE"]);
+        assert_eq!(parameters.texts("POINT", "labels2"), ["C", "DD"]);
+        assert!(parameters.long_texts("ANALOG", "LABELS").is_empty());
+    }
+
+    #[test]
+    fn one_dimension_is_one_text() {
+        assert_eq!(labels("UNITS", &[4], "mm\0 ").texts(), ["mm"]);
+        assert_eq!(labels("UNITS", &[], "m").texts(), ["m"]);
+        assert_eq!(labels("LABELS", &[2, 2, 2], "aabbccdd").texts(), ["aa", "bb", "cc", "dd"]);
+        assert!(labels("LABELS", &[0, 3], "").texts().is_empty());
+        let latin1 = Value::Text(vec![b'M', 0xfc]);
+        assert_eq!(Parameter { value: latin1, ..labels("X", &[2], "") }.texts(), ["Mü"]);
+    }
+
+    #[test]
+    fn counts_are_unsigned_and_whole() {
+        let number = |value| Parameter { value, ..labels("FRAMES", &[], "") };
+        assert_eq!(number(Value::Integers(vec![-1])).count(), Some(65535));
+        assert_eq!(number(Value::Integers(vec![-1])).number(0), Some(-1.0));
+        assert_eq!(number(Value::Floats(vec![70000.0])).count(), Some(70000));
+        assert_eq!(number(Value::Floats(vec![0.5])).count(), None);
+        assert_eq!(number(Value::Floats(vec![f32::NAN])).count(), None);
+        assert_eq!(number(Value::Bytes(vec![200])).count(), Some(200));
+        assert_eq!(number(Value::Integers(vec![])).count(), None);
+    }
 }

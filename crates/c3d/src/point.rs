@@ -16,7 +16,7 @@ impl Point {
         Self { position, residual: 0, cameras: 0 }
     }
 
-    /// The point with this fourth word, or `None` if it is missing: sign bit set, or no finite position.
+    /// The point with this fourth word, or `None` if it is missing: the sign bit is set, or a coordinate is not finite.
     #[inline]
     pub(crate) fn from_word(position: [f32; 3], word: i16) -> Option<Self> {
         if word < 0 || !position.iter().all(|c| c.is_finite()) {
@@ -44,5 +44,26 @@ pub(crate) fn word_from_f32(word: f32) -> i16 {
         (word as u16).cast_signed()
     } else {
         0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing() {
+        let at = |word| Point::from_word([1.0, 2.0, 3.0], word_from_f32(word));
+        let seen = |cameras, residual| Some(Point { position: [1.0, 2.0, 3.0], residual, cameras });
+        assert_eq!(at(-1.0), None);
+        assert_eq!(at(65535.0), None, "-1 written unsigned");
+        assert_eq!(at(32768.0), None);
+        assert_eq!(at(0.0), seen(0, 0));
+        assert_eq!(at(32767.0), seen(0x7f, 0xff));
+        assert_eq!(at(684.0), seen(2, 0xac), "a residual above 127 is no sign");
+        assert_eq!(at(1.708e38), seen(0, 0), "no word at all");
+        assert_eq!(at(f32::NAN), seen(0, 0), "no word at all");
+        assert_eq!(Point::from_word([0.0, f32::NAN, 0.0], 0), None);
+        assert_eq!(Point::from_word([0.0, 0.0, f32::INFINITY], 0), None);
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! Needs the folder of shared data in `TOUSLE_SHARED`; says so and passes without it.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
+
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;

@@ -4,6 +4,7 @@ mod parameters;
 mod points;
 
 use crate::parameter::Parameters;
+use crate::trial::{self, Trial};
 use crate::{Header, Info, Point, ReadError, Warning};
 use layout::Layout;
 use std::io::{Cursor, Read, Seek, SeekFrom};
@@ -67,6 +68,12 @@ impl<R: Read + Seek> Reader<R> {
     /// The whole parameter section as the file has it; [`Reader::info`] is what holds.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
+    }
+
+    /// All that a [`Writer`](crate::Writer) needs to write the points again; analog samples and rotations, and the
+    /// parameters that describe them, are left out.
+    pub fn trial(&self) -> Trial {
+        trial::of(&self.info, &self.parameters)
     }
 
     /// Decodes some points of some frames, frame by frame.

@@ -3,8 +3,6 @@ use super::Parameter;
 /// Parameters that belong together, such as `POINT` or `ANALOG`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Group {
-    /// The number that parameters name their group by, 1 to 127.
-    pub id: u8,
     /// Upper case by custom; compared without case. Empty where the file names no group of this id.
     pub name: String,
     /// What it is, for people.

@@ -39,7 +39,9 @@ pub(super) fn settle(
     warnings: &mut Vec<Warning>,
 ) -> Result<Layout, ReadError> {
     let Choice { layout, data_bytes } = choice::choose(start, parameters, warnings);
-    let Some(n_fitting) = data_bytes.checked_div(layout.frame_bytes()) else { return Ok(layout) };
+    let Some(n_fitting) = data_bytes.checked_div(layout.frame_bytes()) else {
+        return Ok(without_content(start, layout, warnings));
+    };
     if n_fitting == 0 {
         let (n_points, n_frames) = (layout.n_points as usize, layout.n_frames);
         return Err(ReadError::NoData { n_points, n_frames, found: start.file_bytes });
@@ -53,6 +55,15 @@ pub(super) fn settle(
         warnings.push(Warning::TrailingBytes { n_bytes: n_left });
     }
     Ok(layout)
+}
+
+/// Frames in which nothing stands: what can be claimed is bounded by what a header can say or by the file's size.
+fn without_content(start: &Start, layout: Layout, warnings: &mut Vec<Warning>) -> Layout {
+    let n_frames = layout.n_frames.min(start.file_bytes.max(0xffff));
+    if n_frames < layout.n_frames {
+        warnings.push(Warning::CutShort { claimed: layout.n_frames, found: n_frames });
+    }
+    Layout { n_frames, ..layout }
 }
 
 /// Gathers what the file says about its contents.

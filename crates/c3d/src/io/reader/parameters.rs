@@ -19,14 +19,18 @@ pub(super) fn read_parameters(
     warnings: &mut Vec<Warning>,
 ) -> Parameters {
     let section = Section { bytes, processor, offset: section_start + 4 };
-    let contents = section.contents(warnings);
-    let parameters = Parameters { groups: grouped(contents) };
-    if parameters.groups.iter().all(|g| g.parameters.is_empty()) {
+    let groups = grouped(section.contents(warnings));
+    if groups.iter().all(|(_, g)| g.parameters.is_empty()) {
         warnings.push(Warning::NoParameters);
     }
-    report_groups(&parameters, warnings);
-    parameters
+    for (group_id, group) in &groups {
+        report(*group_id, group, warnings);
+    }
+    Parameters { groups: groups.into_iter().map(|(_, group)| group).collect() }
 }
+
+/// Real files have some hundreds; far more than any could want.
+const MAX_RECORDS: usize = 0xffff;
 
 /// The bytes of a parameter section.
 #[derive(Clone, Copy)]
@@ -42,22 +46,24 @@ impl Section<'_> {
     fn contents(self, warnings: &mut Vec<Warning>) -> Vec<Content> {
         let mut contents = Vec::new();
         let mut at = 0;
-        loop {
+        for _ in 0..MAX_RECORDS {
             let record = match record::read(self.bytes, at, self.processor) {
                 Ok(Some(record)) => record,
-                Ok(None) => break,
+                Ok(None) => return contents,
                 Err(reason) => {
                     warnings.push(Warning::BrokenParameters { offset: self.place(at), reason });
-                    break;
+                    return contents;
                 }
             };
             let next = self.next(at, &record, warnings);
             contents.push(record.content);
             match next {
                 Some(next) => at = next,
-                None => break,
+                None => return contents,
             }
         }
+        let reason = "more than 65535 records";
+        warnings.push(Warning::BrokenParameters { offset: self.place(at), reason });
         contents
     }
 
@@ -69,14 +75,15 @@ impl Section<'_> {
         }
         let stated = record.pointer_at + usize::from(pointer);
         let swapped = record.pointer_at + usize::from(pointer.swap_bytes());
-        // All places lie behind the pointer, so that reading always comes to an end.
-        let places = [stated, record.end, swapped];
+        // No record starts inside the values of the one before: reading comes to an end, and what is read is not
+        // more than what is there.
+        let places = [stated, record.end, swapped].map(|place| place.max(record.values_end));
         let is_record =
             |place: &usize| matches!(record::read(self.bytes, *place, self.processor), Ok(Some(_)));
         let is_end = |place: &usize| matches!(record::read(self.bytes, *place, self.processor), Ok(None));
         let found = places.into_iter().find(is_record).or_else(|| places.into_iter().find(is_end));
         // If there is nothing anywhere, the place that the pointer names will say what is wrong there.
-        let used = found.unwrap_or(stated);
+        let used = found.unwrap_or(places[0]);
         if used != stated {
             warnings.push(Warning::BadOffset {
                 offset: self.place(at),
@@ -94,44 +101,35 @@ impl Section<'_> {
 }
 
 /// Puts parameters into their groups, which may be named before or after them.
-fn grouped(contents: Vec<Content>) -> Vec<Group> {
-    let mut groups: Vec<Group> = Vec::new();
-    let mut place_of: BTreeMap<u8, usize> = BTreeMap::new();
-    let mut place = |groups: &mut Vec<Group>, id: u8| {
-        *place_of.entry(id).or_insert_with(|| {
-            groups.push(Group { id, ..Group::default() });
-            groups.len() - 1
-        })
-    };
+fn grouped(contents: Vec<Content>) -> Vec<(u8, Group)> {
+    let mut groups: Vec<(u8, Group)> = Vec::new();
+    let mut place_of = BTreeMap::new();
     for content in contents {
+        let (Content::Group(id, _) | Content::Parameter(id, _)) = content;
+        let place = *place_of.entry(id).or_insert_with(|| {
+            groups.push((id, Group::default()));
+            groups.len() - 1
+        });
+        let group = &mut groups[place].1;
         match content {
-            Content::Group(group) => {
-                let idx = place(&mut groups, group.id);
-                // A group that is named twice keeps its first name.
-                if groups[idx].name.is_empty() {
-                    groups[idx] = Group { parameters: std::mem::take(&mut groups[idx].parameters), ..group };
-                }
+            // A group that is named twice keeps its first name.
+            Content::Group(_, named) if group.name.is_empty() => {
+                *group = Group { parameters: std::mem::take(&mut group.parameters), ..named };
             }
-            Content::Parameter(id, parameter) => {
-                let idx = place(&mut groups, id);
-                groups[idx].parameters.push(parameter);
-            }
+            Content::Group(..) => {}
+            Content::Parameter(_, parameter) => group.parameters.push(parameter),
         }
     }
     groups
 }
 
-fn report_groups(parameters: &Parameters, warnings: &mut Vec<Warning>) {
-    for group in &parameters.groups {
-        let n_repeats = n_repeats(&group.parameters);
-        if n_repeats > 0 {
-            let group = group.name.clone();
-            warnings.push(Warning::DuplicateParameters { group, n_parameters: n_repeats });
-        }
-        if group.name.is_empty() {
-            let n_parameters = group.parameters.len();
-            warnings.push(Warning::UnnamedGroup { group_id: group.id, n_parameters });
-        }
+fn report(group_id: u8, group: &Group, warnings: &mut Vec<Warning>) {
+    let n_repeats = n_repeats(&group.parameters);
+    if n_repeats > 0 {
+        warnings.push(Warning::DuplicateParameters { group: group.name.clone(), n_parameters: n_repeats });
+    }
+    if group.name.is_empty() {
+        warnings.push(Warning::UnnamedGroup { group_id, n_parameters: group.parameters.len() });
     }
 }
 

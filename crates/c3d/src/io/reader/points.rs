@@ -39,7 +39,7 @@ struct Frames<'a, R, F> {
 impl<R: Read, F: FnMut(usize, &[Option<Point>])> Frames<'_, R, F> {
     fn decode<const N: usize>(&mut self, point: impl Fn(&[u8; N]) -> Option<Point>) -> Result<(), ReadError> {
         let frame_bytes = self.layout.frame_bytes() as usize;
-        let frames_at_once = if frame_bytes == 0 { 1 } else { (PIECE as usize / frame_bytes).max(1) };
+        let frames_at_once = (PIECE as usize).checked_div(frame_bytes).unwrap_or(1).max(1);
         let mut bytes = vec![0; frames_at_once.min(self.frames.len()) * frame_bytes];
         let mut points = vec![None; self.point_idxs.len()];
         let mut frame_idx = self.frames.start;
@@ -70,4 +70,17 @@ fn float_point(bytes: &[u8; 16], float: impl Fn([u8; 4]) -> f32) -> Option<Point
 fn int_point(bytes: &[u8; 8], int: impl Fn([u8; 2]) -> i16, scale: f32) -> Option<Point> {
     let [x, y, z, word] = [0, 2, 4, 6].map(|i| int([bytes[i], bytes[i + 1]]));
     Point::from_word([x, y, z].map(|c| f32::from(c) * scale), word)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Five steps of 0.5 to the right, residual 3, cameras 1 and 2.
+    #[test]
+    fn an_integer_point() {
+        let point = int_point(&[5, 0, 0xfe, 0xff, 0, 0, 3, 0b11], i16::from_le_bytes, 0.5);
+        assert_eq!(point, Some(Point { position: [2.5, -1.0, 0.0], residual: 3, cameras: 0b11 }));
+        assert_eq!(int_point(&[0, 5, 0, 0, 0, 0, 0x80, 0], i16::from_be_bytes, 0.5), None);
+    }
 }

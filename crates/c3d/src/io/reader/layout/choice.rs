@@ -67,11 +67,8 @@ fn try_out(start: &Start, data_end: u64, chosen: [Claim; 5]) -> (Choice, Fit) {
         data_start,
     };
     let frame_bytes = layout.frame_bytes();
-    if frame_bytes == 0 {
-        // Frames without content: only the size of the whole file bounds what it can claim.
-        layout.n_frames = layout.n_frames.min(start.file_bytes);
-    } else if frames == ALL_THAT_FIT {
-        layout.n_frames = data_bytes / frame_bytes;
+    if frames == ALL_THAT_FIT {
+        layout.n_frames = data_bytes.checked_div(frame_bytes).unwrap_or(0);
     }
     let fit = match data_bytes.checked_sub(layout.n_frames.saturating_mul(frame_bytes)) {
         None => Fit::Short,

@@ -1,6 +1,6 @@
-use crate::Quantity;
 use crate::io::reader::header::Start;
 use crate::parameter::{Parameters, Value};
+use crate::{BLOCK, Quantity};
 
 /// The quantities that header and parameters both state and that say where samples stand.
 pub(super) const QUANTITIES: [Quantity; 5] =
@@ -153,7 +153,8 @@ fn data_block(start: &Start, parameters: &Parameters) -> Claims {
     }
     if claims.claims.is_empty() {
         // Behind the parameter section, which is where data nearly always stands.
-        let behind = start.header.parameter_block.max(2) as f64 + f64::from(start.section_blocks);
+        let block = (start.section_start - start.base) / BLOCK + 1;
+        let behind = block as f64 + f64::from(start.section_blocks);
         claims.add(behind, Source::Derived);
     }
     claims

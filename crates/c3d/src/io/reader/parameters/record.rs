@@ -8,12 +8,15 @@ pub(super) struct Record {
     pub pointer_at: usize,
     /// The pointer as it stands there.
     pub pointer: [u8; 2],
-    /// Where the contents end.
+    /// Where values end and the description starts.
+    pub values_end: usize,
+    /// Where all contents end.
     pub end: usize,
 }
 
 pub(super) enum Content {
-    Group(Group),
+    /// The name of the group with this id.
+    Group(u8, Group),
     /// A parameter of the group with this id.
     Parameter(u8, Parameter),
 }
@@ -21,7 +24,7 @@ pub(super) enum Content {
 impl Content {
     pub fn name(&self) -> &str {
         match self {
-            Self::Group(group) => &group.name,
+            Self::Group(_, group) => &group.name,
             Self::Parameter(_, parameter) => &parameter.name,
         }
     }
@@ -52,15 +55,16 @@ pub(super) fn read(section: &[u8], at: usize, processor: Processor) -> Result<Op
     let pointer = bytes.array().ok_or(CUT)?;
     let end = pointer_at + usize::from(processor.read_u16(pointer));
     let id = group_id.unsigned_abs();
-    let content = if group_id < 0 {
-        let description = bytes.description(end);
-        Content::Group(Group { id, name, description, locked, parameters: Vec::new() })
-    } else {
-        let (dimensions, value) = read_value(&mut bytes, processor)?;
-        let description = bytes.description(end);
-        Content::Parameter(id, Parameter { name, description, locked, dimensions, value })
+    let values = if group_id < 0 { None } else { Some(read_value(&mut bytes, processor)?) };
+    let values_end = bytes.at;
+    let description = bytes.description(end);
+    let content = match values {
+        None => Content::Group(id, Group { name, description, locked, parameters: Vec::new() }),
+        Some((dimensions, value)) => {
+            Content::Parameter(id, Parameter { name, description, locked, dimensions, value })
+        }
     };
-    Ok(Some(Record { content, pointer_at, pointer, end: bytes.at }))
+    Ok(Some(Record { content, pointer_at, pointer, values_end, end: bytes.at }))
 }
 
 const CUT: &str = "a record that is cut off";
