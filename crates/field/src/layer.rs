@@ -72,10 +72,7 @@ impl FieldLayer {
         if self.muted || !(time_secs > self.first_secs && time_secs < self.last_secs) {
             return 0.0;
         }
-        let share = (time_secs - self.first_secs) / span;
-        let rise = if self.ease.rise > 0.0 { smooth_step(share / self.ease.rise) } else { 1.0 };
-        let fall = if self.ease.fall > 0.0 { smooth_step((1.0 - share) / self.ease.fall) } else { 1.0 };
-        rise * fall
+        self.ease.presence((time_secs - self.first_secs) / span)
     }
 
     /// What the layer adds at a point, head space, m, when it is fully there. Times [`FieldLayer::presence`].
@@ -91,6 +88,15 @@ impl FieldLayer {
             weights += weight;
         }
         sum / f64::max(weights, 1.0)
+    }
+}
+
+impl Ease {
+    /// How much of the layer is there at a share of its span between 0 and 1.
+    pub fn presence(&self, share: f64) -> f64 {
+        let rise = if self.rise > 0.0 { smooth_step(share / self.rise) } else { 1.0 };
+        let fall = if self.fall > 0.0 { smooth_step((1.0 - share) / self.fall) } else { 1.0 };
+        rise * fall
     }
 }
 
