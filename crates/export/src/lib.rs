@@ -6,6 +6,7 @@
 //! - [`write_motion_npz`], [`write_field_npz`]: arrays for NumPy; [`read_motion_npz`], [`read_field_npz`] read
 //!   them back, and wind from elsewhere.
 //! - [`write_motion_usda`]: hair as curves or reed-shaped ribbons for everything that reads USD.
+//! - [`write_step_vdb`]: a step of a field for everything that reads OpenVDB.
 //!
 //! *Invariant:* nothing here knows of captures or of the field file.
 
@@ -13,10 +14,12 @@ mod error;
 mod motion;
 mod npz;
 mod usd;
+mod vdb;
 
 pub use error::ExportError;
 pub use npz::{
     FieldNpzOptions, NpzError, ReadField, read_field_npz, read_field_npz_with, read_motion_npz,
-    write_field_npz, write_motion_npz,
+    read_poses_npz, write_field_npz, write_motion_npz, write_poses_npz,
 };
 pub use usd::{CurveType, HairGeometry, UsdOptions, write_motion_usda};
+pub use vdb::write_step_vdb;
