@@ -1,1 +1,19 @@
-//! Mechanics of one lock: shape, bending, drag, contact; the same for measuring and for simulating.
+//! The mechanics of one lock: its shape at rest, bending, drag, contact. Measuring and simulating share it.
+//!
+//! [`Lock`] is a strand as a chain of sticks with its mass and its joints; [`rest_state`] says how it carries
+//! its weight when it hangs still; [`DragLaw`] is what the air does to it, [`collider_gap`] what it can touch.
+//!
+//! *Invariant:* nothing here steps through time or knows a grid.
+
+mod contact;
+mod drag;
+mod lock;
+mod nnls;
+mod rest;
+mod turn;
+
+pub use contact::{Gap, collider_gap, gap};
+pub use drag::{Drag, DragLaw};
+pub use lock::Lock;
+pub use rest::{Bearing, Rest, joint_torques, rest_state};
+pub use turn::{shortest_rotation, shortest_turn, turned};

@@ -1,0 +1,181 @@
+use crate::contact::gap;
+use crate::lock::Lock;
+use crate::nnls::nonnegative_least_squares;
+use nalgebra::{DMatrix, DVector};
+use tousle_core::{Body, Vec3};
+
+/// How a lock that hangs still carries its weight: what its joints hold and what the body bears.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rest {
+    /// Torque that the joint at the root's end of each stick holds at rest, N·m, head axes, across the stick.
+    ///
+    /// Against the joint's stiffness it is the turn by which the natural, force-free shape is bent the other way.
+    pub torques: Vec<Vec3>,
+    /// Where the body bears the lock.
+    pub bearings: Vec<Bearing>,
+    /// How near the point at the end of each stick comes to each collider, m, from center line to surface:
+    /// collider after collider, stick after stick. Negative where the rest curve itself lies inside.
+    pub clearances_m: Vec<f64>,
+}
+
+/// A point at which the body bears a lock at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bearing {
+    /// Index of the collider in the body.
+    pub collider: usize,
+    /// Index of the stick whose far end it is.
+    pub stick: usize,
+    /// The force away from the collider, N, > 0.
+    pub force_n: f64,
+}
+
+/// Contacts a lock may have before every second, third … is left out of the search for what bears it.
+const MAX_CANDIDATES: usize = 64;
+
+/// How a lock carries its weight in its rest curve, under a gravity in head axes, m/s², on a body at rest.
+///
+/// A rest curve alone does not say how much of the weight the hair holds by itself and how much lies on the
+/// head: any force of the body that pushes outwards is possible wherever hair touches it. Of all of them the
+/// one is taken that leaves the joints the least elastic energy, as if the hair had been laid down, not
+/// pressed. A point touches when its surface is within half a width of the collider's.
+pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body) -> Rest {
+    let n = lock.n_sticks();
+    let mut ends_m = vec![Vec3::zeros(); n];
+    lock.place(&lock.rest_directions, &mut ends_m);
+    let candidates = candidates(lock, &ends_m, body);
+    let weight: Vec<Vec3> = lock.masses_kg.iter().map(|m| gravity * *m).collect();
+    let weight_torques = joint_torques(lock, &weight);
+    let unit_torques: Vec<Vec<Vec3>> = candidates
+        .iter()
+        .map(|c| {
+            let mut push = vec![Vec3::zeros(); n];
+            push[c.stick] = c.normal;
+            joint_torques(lock, &push)
+        })
+        .collect();
+    let forces = bearing_forces(lock, &weight_torques, &unit_torques);
+    let mut torques = weight_torques;
+    let mut bearings = Vec::new();
+    for ((candidate, unit), force_n) in candidates.iter().zip(&unit_torques).zip(forces) {
+        if force_n > 0.0 {
+            bearings.push(Bearing { collider: candidate.collider, stick: candidate.stick, force_n });
+            torques.iter_mut().zip(unit).for_each(|(sum, t)| *sum += t * force_n);
+        }
+    }
+    let clearances_m = clearances(lock, &ends_m, body, &bearings);
+    Rest { torques, bearings, clearances_m }
+}
+
+/// Torque that each joint must hold against a force on the end of every stick, across the stick it turns.
+///
+/// From the tip inwards: a stick's joint holds what its own pull on the lever asks and what the next joint
+/// passes on. The part along the stick is twist, which a lock that is free to roll does not hold.
+pub fn joint_torques(lock: &Lock, forces: &[Vec3]) -> Vec<Vec3> {
+    let mut torques = vec![Vec3::zeros(); lock.n_sticks()];
+    let mut pull = Vec3::zeros();
+    let mut passed_on = Vec3::zeros();
+    for j in (0..lock.n_sticks()).rev() {
+        let direction = lock.rest_directions[j];
+        pull += forces[j];
+        let torque = passed_on - direction.cross(&pull) * lock.lengths_m[j];
+        torques[j] = torque - direction * direction.dot(&torque);
+        passed_on = torques[j];
+    }
+    torques
+}
+
+struct Candidate {
+    collider: usize,
+    stick: usize,
+    normal: Vec3,
+}
+
+fn candidates(lock: &Lock, ends_m: &[Vec3], body: &Body) -> Vec<Candidate> {
+    let mut found = Vec::new();
+    for (collider, shape) in body.colliders.iter().enumerate() {
+        for (stick, end) in ends_m.iter().enumerate() {
+            let gap = gap(&shape.shape, *end);
+            if gap.distance_m <= lock.width_m {
+                found.push(Candidate { collider, stick, normal: gap.normal });
+            }
+        }
+    }
+    let stride = found.len().div_ceil(MAX_CANDIDATES).max(1);
+    found.into_iter().step_by(stride).collect()
+}
+
+/// The forces ≥ 0 that leave the least Σ torque²/stiffness.
+fn bearing_forces(lock: &Lock, weight: &[Vec3], units: &[Vec<Vec3>]) -> Vec<f64> {
+    if units.is_empty() {
+        return Vec::new();
+    }
+    // A lock without any stiffness is judged by torque alone.
+    let softness: Vec<f64> =
+        lock.joint_stiffness.iter().map(|k| if *k > 0.0 { 1.0 / k } else { 1.0 }).collect();
+    let dot = |a: &[Vec3], b: &[Vec3]| -> f64 {
+        a.iter().zip(b).zip(&softness).map(|((a, b), soft)| a.dot(b) * soft).sum()
+    };
+    let g = DMatrix::from_fn(units.len(), units.len(), |r, c| dot(&units[r], &units[c]));
+    let b = DVector::from_fn(units.len(), |r, _| -dot(&units[r], weight));
+    nonnegative_least_squares(&g, &b).iter().copied().collect()
+}
+
+/// A point may come as near as it lies at rest, or as the lock's own radius allows, whichever is nearer. The
+/// radius is half the width, or, where the body bears the lock, how near the bearing points lie.
+fn clearances(lock: &Lock, ends_m: &[Vec3], body: &Body, bearings: &[Bearing]) -> Vec<f64> {
+    let gap_at =
+        |collider: usize, stick: usize| gap(&body.colliders[collider].shape, ends_m[stick]).distance_m;
+    let radius = bearings
+        .iter()
+        .map(|b| gap_at(b.collider, b.stick))
+        .reduce(f64::min)
+        .map_or(0.5 * lock.width_m, |nearest| nearest.max(0.0));
+    (0..body.colliders.len())
+        .flat_map(|collider| (0..ends_m.len()).map(move |stick| (collider, stick)))
+        .map(|(collider, stick)| {
+            let bears = bearings.iter().any(|b| b.collider == collider && b.stick == stick);
+            let at_rest = gap_at(collider, stick);
+            if bears { at_rest } else { f64::min(radius, at_rest) }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lock::tests::straight;
+    use tousle_core::{Attachment, Collider, Shape};
+
+    const DOWN: Vec3 = Vec3::new(0.0, 0.0, -9.81);
+
+    /// A horizontal lock in free air holds the moment of everything further out at each joint.
+    #[test]
+    fn a_cantilever_holds_the_moment_of_its_weight() {
+        let lock = Lock::new(&straight(Vec3::zeros(), Vec3::x(), 0.2, 4));
+        let rest = rest_state(&lock, DOWN, &Body::none());
+        // At the clamp: 1 g/m · 9.81 · 0.2²/2 about y. Half masses at the ends make it exact.
+        let expected = 1e-3 * 9.81 * 0.2 * 0.2 / 2.0;
+        assert!((rest.torques[0].norm() / expected - 1.0).abs() < 1e-12, "{}", rest.torques[0]);
+        assert!(rest.bearings.is_empty());
+    }
+
+    /// A lock that lies along a table is borne by it altogether, up to half a stick at the clamp.
+    #[test]
+    fn a_lock_on_a_table_is_borne() {
+        let table = Shape::Ellipsoid {
+            center_m: Vec3::new(0.1, 0.0, -1e4),
+            half_axes_m: Vec3::new(1e4, 1e4, 1e4 - 2e-3),
+        };
+        let body = Body {
+            colliders: vec![Collider { name: "table".into(), shape: table, attachment: Attachment::Head }],
+            ..Body::none()
+        };
+        let lock = Lock::new(&straight(Vec3::zeros(), Vec3::x(), 0.2, 10));
+        let rest = rest_state(&lock, DOWN, &body);
+        let borne: f64 = rest.bearings.iter().map(|b| b.force_n).sum();
+        let weight = lock.masses_kg.iter().sum::<f64>() * 9.81;
+        assert!((borne / weight - 1.0).abs() < 1e-3, "{borne} of {weight}");
+        assert!(rest.torques.iter().all(|t| t.norm() < 1e-8), "{:?}", rest.torques);
+        assert!(rest.clearances_m.iter().all(|c| (c - 2e-3).abs() < 1e-5));
+    }
+}

@@ -1,0 +1,73 @@
+use nalgebra::{Unit, UnitQuaternion};
+use tousle_core::Vec3;
+
+/// The rotation vector of the shortest turn from one unit vector to another: its axis times its angle, 0 to π.
+///
+/// Unlike two angles it has no pole. Between opposite vectors every axis is shortest; one is chosen that
+/// depends on the vectors alone.
+pub fn shortest_turn(from: Vec3, to: Vec3) -> Vec3 {
+    let cross = from.cross(&to);
+    let sin = cross.norm();
+    let cos = from.dot(&to);
+    if sin > 1e-8 {
+        cross * (libm::atan2(sin, cos) / sin)
+    } else if cos > 0.0 {
+        cross
+    } else {
+        any_perpendicular(from) * core::f64::consts::PI
+    }
+}
+
+/// The rotation of the shortest turn from one unit vector to another.
+pub fn shortest_rotation(from: Vec3, to: Vec3) -> UnitQuaternion<f64> {
+    let cos = from.dot(&to);
+    if cos > -1.0 + 1e-9 {
+        // Half-angle identities give the quaternion without a trigonometric function.
+        let cross = from.cross(&to);
+        let quaternion = nalgebra::Quaternion::new(1.0 + cos, cross.x, cross.y, cross.z);
+        UnitQuaternion::new_normalize(quaternion)
+    } else {
+        UnitQuaternion::from_axis_angle(&Unit::new_unchecked(any_perpendicular(from)), core::f64::consts::PI)
+    }
+}
+
+/// A vector turned by a rotation vector that is at right angles to it (Rodrigues, without the third term).
+pub fn turned(vector: Vec3, turn: Vec3) -> Vec3 {
+    let angle2 = turn.norm_squared();
+    if angle2 < 1e-8 {
+        // To fourth order: the error is below 1e-18.
+        return vector * (1.0 - 0.5 * angle2) + turn.cross(&vector) * (1.0 - angle2 / 6.0);
+    }
+    let angle = angle2.sqrt();
+    let (sin, cos) = libm::sincos(angle);
+    vector * cos + turn.cross(&vector) * (sin / angle)
+}
+
+/// A unit vector at right angles to a vector.
+fn any_perpendicular(vector: Vec3) -> Vec3 {
+    let axis = if vector.x.abs() < 0.6 * vector.norm() { Vec3::x() } else { Vec3::y() };
+    vector.cross(&axis).normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turns_meet_their_target() {
+        let a = Vec3::new(0.3, -0.4, 0.87).normalize();
+        for b in [a, -a, Vec3::x(), -Vec3::y(), (a + Vec3::x() * 1e-5).normalize()] {
+            let turn = shortest_turn(a, b);
+            assert!(turn.dot(&a).abs() < 1e-12);
+            assert!((turned(a, turn) - b).norm() < 1e-9, "{b}");
+            assert!((shortest_rotation(a, b) * a - b).norm() < 1e-8, "{b}");
+        }
+    }
+
+    /// A quarter turn about z carries x to y.
+    #[test]
+    fn a_quarter_turn() {
+        let turn = shortest_turn(Vec3::x(), Vec3::y());
+        assert!((turn - Vec3::z() * core::f64::consts::FRAC_PI_2).norm() < 1e-15);
+    }
+}
