@@ -1,0 +1,177 @@
+//! Payloads, decoded: JSON and protobuf to the vocabulary, or what is wrong with them.
+
+use crate::array::{self, Shape};
+use crate::finding::Place;
+use crate::format::{FORMAT, VERSION};
+use crate::manifest::{FieldInfo, Manifest};
+use crate::wire::edits::Edits;
+use crate::wire::proto::{FieldStep, PoseStep, SampleStep};
+use crate::wire::tags::{self, BadField, Fields};
+use crate::wire::{proto, scene};
+use crate::{Code, Finding, check};
+use serde::de::DeserializeOwned;
+use tousle_core::{Pose, Vec3, WindSample};
+use tousle_field::{Field, VoxelFlag};
+
+/// What every binary message says of itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Stamp {
+    pub index: u64,
+    pub time_ns: u64,
+}
+
+/// Decodes a manifest. One of a newer version is refused by that name before its members are looked at.
+pub(crate) fn manifest(payload: &[u8], place: Place<'_>) -> Result<Manifest, Vec<Finding>> {
+    let value: serde_json::Value = from_json(payload, place).map_err(|f| vec![*f])?;
+    if value["format"] == FORMAT {
+        if let Some(version) = value["version"].as_u64().filter(|v| *v > u64::from(VERSION)) {
+            let expected = format!("at most {VERSION}, the newest this program reads");
+            return Err(vec![*place.finding(Code::Version, "version", version, expected)]);
+        }
+        let requires = value["requires"].as_array().map_or(&[][..], Vec::as_slice);
+        if let Some(feature) = requires.first() {
+            return Err(vec![*place.finding(
+                Code::Requires,
+                "requires[0]",
+                feature,
+                "features that version 1 has: none",
+            )]);
+        }
+    }
+    from_json(payload, place).map_err(|f| vec![*f])
+}
+
+/// Decodes a message of edits.
+pub(crate) fn edits(payload: &[u8], place: Place<'_>) -> Result<Edits, Vec<Finding>> {
+    from_json(payload, place).map_err(|f| vec![*f])
+}
+
+/// Decodes a pose.
+pub(crate) fn pose(payload: &[u8], place: Place<'_>) -> Result<(Stamp, Pose), Box<Finding>> {
+    let message: PoseStep = from_protobuf(payload, &tags::POSE_STEP, place)?;
+    let proto::Vector3 { x, y, z } = message.translation_m.unwrap_or_default();
+    let translation = [x, y, z];
+    let proto::Quaternion { x, y, z, w } = message.rotation.unwrap_or_default();
+    let rotation = [x, y, z, w];
+    check::pose(translation, rotation, "", place)?;
+    Ok((Stamp { index: message.index, time_ns: message.time_ns }, scene::pose(translation, rotation)))
+}
+
+/// Decodes the samples of a step.
+pub(crate) fn samples(payload: &[u8], place: Place<'_>) -> Result<(Stamp, Vec<WindSample>), Box<Finding>> {
+    let message: SampleStep = from_protobuf(payload, &tags::SAMPLE_STEP, place)?;
+    let n = message.strand_idx.len();
+    if message.marker_idx.len() != n {
+        return Err(place.finding(
+            Code::Size,
+            "marker_idx",
+            message.marker_idx.len(),
+            format!("{n}, one a sample"),
+        ));
+    }
+    let column = |array: Option<proto::Array>, planes, what| {
+        array::unpack(&array.unwrap_or_default(), Shape::list(planes, n), place, what)
+    };
+    if n == 0 {
+        return Ok((Stamp { index: message.index, time_ns: message.time_ns }, Vec::new()));
+    }
+    let position = column(message.position_m, 3, "position_m")?;
+    let value = column(message.value, 3, "value")?;
+    let covariance = column(message.covariance, 6, "covariance")?;
+    check::finite(&position, "position_m", place)?;
+    check::finite(&value, "value", place)?;
+    let vector = |column: &[f32], k: usize| Vec3::from_fn(|axis, _| f64::from(column[axis * n + k]));
+    let samples: Vec<_> = (0..n)
+        .map(|k| WindSample {
+            strand_idx: message.strand_idx[k],
+            marker_idx: message.marker_idx[k],
+            position_m: vector(&position, k),
+            value: vector(&value, k),
+            covariance: std::array::from_fn(|c| f64::from(covariance[c * n + k])),
+        })
+        .collect();
+    check::covariances(&samples, place)?;
+    Ok((Stamp { index: message.index, time_ns: message.time_ns }, samples))
+}
+
+/// Decodes a step of the field.
+pub(crate) fn step(
+    payload: &[u8],
+    info: &FieldInfo,
+    place: Place<'_>,
+) -> Result<(Stamp, Field), Vec<Finding>> {
+    let message: FieldStep = from_protobuf(payload, &tags::FIELD_STEP, place).map_err(|f| vec![*f])?;
+    let dims = info.grid.dims.map(|n| n as usize);
+    let n = dims.iter().product();
+    let u = message.u.unwrap_or_default();
+    let mut findings = Vec::new();
+    findings.extend(check::encoding(&u, info, place).err().map(|f| *f));
+    let u = array::unpack(&u, Shape { planes: 3, dims }, place, "u")
+        .and_then(|u| check::finite(&u, "u", place).map(|()| u));
+    let flags = flags(&message.flags, n, place);
+    let sd = message.sd.map(|sd| {
+        array::unpack(&sd, Shape { planes: 1, dims }, place, "sd")
+            .and_then(|sd| check::deviations(&sd, place).map(|()| sd))
+    });
+    let proto::Vector3 { x, y, z } = message.outside.unwrap_or_default();
+    findings.extend(check::finite_vector([x, y, z], "outside", place).err().map(|f| *f));
+    let stamp = Stamp { index: message.index, time_ns: message.time_ns };
+    match (u, flags, sd.transpose()) {
+        (Ok(u), Ok(flags), Ok(sd)) if findings.is_empty() => {
+            Ok((stamp, Field { u, flags, sd, outside: Vec3::new(x, y, z) }))
+        }
+        (u, flags, sd) => {
+            findings.extend(u.err().map(|f| *f));
+            findings.extend(flags.err().map(|f| *f));
+            findings.extend(sd.err().map(|f| *f));
+            Err(findings)
+        }
+    }
+}
+
+fn flags(bytes: &[u8], n: usize, place: Place<'_>) -> Result<Vec<VoxelFlag>, Box<Finding>> {
+    if bytes.len() != n {
+        return Err(place.finding(
+            Code::Size,
+            "flags",
+            format!("{} bytes", bytes.len()),
+            format!("{n}, one a voxel"),
+        ));
+    }
+    let flag = |(k, byte): (usize, &u8)| {
+        VoxelFlag::from_byte(*byte).ok_or_else(|| {
+            place.finding(Code::Flag, format!("flags[{k}]"), byte, "0 outside, 1 interpolated, 2 measured")
+        })
+    };
+    bytes.iter().enumerate().map(flag).collect()
+}
+
+/// Decodes JSON; says where in it what is wrong.
+fn from_json<T: DeserializeOwned>(payload: &[u8], place: Place<'_>) -> Result<T, Box<Finding>> {
+    let mut json = serde_json::Deserializer::from_slice(payload);
+    let value = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+        let path = error.path().to_string();
+        let error = error.into_inner();
+        let code = if error.is_data() { Code::JsonSchema } else { Code::Json };
+        place.finding(code, path, error, "what the schema says")
+    })?;
+    json.end().map_err(|error| place.finding(Code::Json, "payload", error, "nothing more"))?;
+    Ok(value)
+}
+
+/// Decodes protobuf that holds fields of this version only.
+fn from_protobuf<M: prost::Message + Default>(
+    payload: &[u8],
+    fields: &Fields,
+    place: Place<'_>,
+) -> Result<M, Box<Finding>> {
+    tags::check(payload, fields).map_err(|bad| match bad {
+        BadField::Unknown { path, number } => {
+            let within = if path.is_empty() { "payload".to_owned() } else { path };
+            place.finding(Code::UnknownField, within, format!("field {number}"), "fields of version 1")
+        }
+        BadField::Twice { path } => place.finding(Code::Protobuf, path, "the field twice", "once"),
+        BadField::Malformed => place.finding(Code::Protobuf, "payload", "bytes that are none", "protobuf"),
+    })?;
+    M::decode(payload).map_err(|error| place.finding(Code::Protobuf, "payload", error, "protobuf"))
+}

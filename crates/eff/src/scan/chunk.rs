@@ -1,0 +1,121 @@
+use super::{Findings, check_crc, data::Data};
+use crate::finding::Place;
+use crate::format::MAX_CHUNK;
+use crate::record::{self, Chunk, PREFIX, Record};
+use crate::{Code, EffError, Finding};
+use std::collections::BTreeMap;
+use std::io::Read;
+
+/// Where each channel's messages are: log time and offset within the unpacked chunk.
+pub(super) type Indexes = BTreeMap<u16, Vec<(u64, u64)>>;
+
+/// Scans the records in a chunk; gives what its message indexes must say.
+pub(super) fn scan(
+    data: &mut Data<'_>,
+    chunk: &Chunk<'_>,
+    place: Place<'_>,
+    findings: &mut Findings,
+) -> Result<Indexes, EffError> {
+    let records = match unpack(chunk, place) {
+        Ok(records) => records,
+        Err(finding) => {
+            findings.push(finding);
+            return Ok(Indexes::new());
+        }
+    };
+    let n_before = findings.n_errors();
+    check_crc(Code::ChunkCrc, chunk.uncompressed_crc, crc32fast::hash(&records), place, findings);
+    if findings.n_errors() > n_before {
+        // What is in it is noise; findings about it would hide the one that matters.
+        return Ok(Indexes::new());
+    }
+    let mut indexes = Indexes::new();
+    let mut left = &records[..];
+    while !left.is_empty() && !findings.is_enough() {
+        let offset = (records.len() - left.len()) as u64;
+        let Some((opcode, body)) = take_record(&mut left) else {
+            let found = format!("{} bytes", left.len());
+            findings.push(place.finding(Code::Record, "record in chunk", found, "a whole record"));
+            break;
+        };
+        match record::parse(opcode, body) {
+            Ok(Record::Schema(schema)) => data.schema(schema, body, place, findings),
+            Ok(Record::Channel(channel)) => data.channel(&channel, body, place, findings),
+            Ok(Record::Message(message)) => {
+                indexes.entry(message.channel_id).or_default().push((message.log_time, offset));
+                data.message(message, place, findings)?;
+            }
+            Ok(_) => {
+                let expected = "a schema, a channel or a message";
+                findings.push(place.finding(
+                    Code::RecordOrder,
+                    "record in chunk",
+                    record::name(opcode),
+                    expected,
+                ));
+            }
+            Err(short) => findings.push(super::broken(place, opcode, body, short)),
+        }
+    }
+    check_times(chunk, &indexes, place, findings);
+    Ok(indexes)
+}
+
+/// Takes a record off the bytes.
+fn take_record<'a>(bytes: &mut &'a [u8]) -> Option<(u8, &'a [u8])> {
+    let (prefix, rest) = bytes.split_first_chunk::<{ PREFIX as usize }>()?;
+    let [opcode, length @ ..] = *prefix;
+    let length = usize::try_from(u64::from_le_bytes(length)).ok()?;
+    let (body, rest) = rest.split_at_checked(length)?;
+    *bytes = rest;
+    Some((opcode, body))
+}
+
+/// The records of a chunk, unpacked.
+pub(crate) fn unpack(chunk: &Chunk<'_>, place: Place<'_>) -> Result<Vec<u8>, Box<Finding>> {
+    let size = chunk.uncompressed_size;
+    if size > MAX_CHUNK {
+        return Err(place.finding(
+            Code::Compression,
+            "chunk.uncompressed_size",
+            size,
+            format!("at most {MAX_CHUNK}"),
+        ));
+    }
+    let mut records = Vec::new();
+    match chunk.compression {
+        "" => records.extend_from_slice(chunk.data),
+        "zstd" => {
+            // The buffer grows with what really comes out: a small chunk cannot ask for much.
+            let unpacked = zstd::stream::read::Decoder::with_buffer(chunk.data)
+                .and_then(|decoder| decoder.take(size + 1).read_to_end(&mut records));
+            if let Err(error) = unpacked {
+                return Err(place.finding(Code::Compression, "chunk.records", error, "a zstd frame"));
+            }
+        }
+        other => {
+            let expected = "\"zstd\" or \"\"";
+            return Err(place.finding(
+                Code::Compression,
+                "chunk.compression",
+                format!("{other:?}"),
+                expected,
+            ));
+        }
+    }
+    if records.len() as u64 != size {
+        let found = if records.len() as u64 > size { "more".into() } else { records.len().to_string() };
+        return Err(place.finding(Code::Compression, "chunk.records", format!("{found} bytes"), size));
+    }
+    Ok(records)
+}
+
+fn check_times(chunk: &Chunk<'_>, indexes: &Indexes, place: Place<'_>, findings: &mut Findings) {
+    let times = || indexes.values().flatten().map(|(time, _)| *time);
+    let expected = (times().min().unwrap_or(0), times().max().unwrap_or(0));
+    if (chunk.start_time, chunk.end_time) != expected {
+        let found = format!("{} to {} ns", chunk.start_time, chunk.end_time);
+        let expected = format!("{} to {} ns", expected.0, expected.1);
+        findings.push(place.finding(Code::ChunkTimes, "chunk times", found, expected));
+    }
+}

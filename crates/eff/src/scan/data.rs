@@ -1,0 +1,332 @@
+use super::{Listener, at, check_crc, chunk, content::Content};
+use crate::finding::Place;
+use crate::format::{PROFILE, STREAMS, Stream, topic};
+use crate::record::{self, Attachment, Channel, Message, PREFIX, Record, Schema, Statistics};
+use crate::scan::Findings;
+use crate::{Code, EffError};
+use std::collections::BTreeMap;
+
+/// The data section: what its records say, and what the summary will have to say about them.
+pub(super) struct Data<'v> {
+    content: Content<'v>,
+    is_empty: bool,
+    /// The records as they are in the file, by id.
+    pub schemas: BTreeMap<u16, Vec<u8>>,
+    pub channels: BTreeMap<u16, Vec<u8>>,
+    /// Which of the format's schemas and channels an id means; `None` for another's.
+    known_schemas: BTreeMap<u16, Option<&'static Stream>>,
+    known_channels: BTreeMap<u16, Option<&'static Stream>>,
+    /// What the last chunk's message indexes must be, until they are read.
+    pending_indexes: BTreeMap<u16, Vec<(u64, u64)>>,
+    pub chunks: Vec<ChunkFacts>,
+    pub attachments: Vec<AttachmentFacts>,
+    pub statistics: Statistics,
+}
+
+/// What a chunk index must say.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct ChunkFacts {
+    pub start_time: u64,
+    pub end_time: u64,
+    pub offset: u64,
+    pub length: u64,
+    pub message_index_offsets: BTreeMap<u16, u64>,
+    pub message_index_length: u64,
+    pub compression: String,
+    pub compressed_size: u64,
+    pub uncompressed_size: u64,
+}
+
+/// What an attachment index must say.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct AttachmentFacts {
+    pub offset: u64,
+    pub length: u64,
+    pub log_time: u64,
+    pub create_time: u64,
+    pub data_size: u64,
+    pub name: String,
+    pub media_type: String,
+}
+
+impl<'v> Data<'v> {
+    pub fn new(listener: &'v mut dyn Listener) -> Self {
+        Self {
+            content: Content::new(listener),
+            is_empty: true,
+            schemas: BTreeMap::new(),
+            channels: BTreeMap::new(),
+            known_schemas: BTreeMap::new(),
+            known_channels: BTreeMap::new(),
+            pending_indexes: BTreeMap::new(),
+            chunks: Vec::new(),
+            attachments: Vec::new(),
+            statistics: Statistics::default(),
+        }
+    }
+
+    /// Takes one record in. `body` is its content as it is in the file.
+    pub fn record(
+        &mut self,
+        record: Record<'_>,
+        opcode: u8,
+        body: &[u8],
+        offset: u64,
+        findings: &mut Findings,
+    ) -> Result<(), EffError> {
+        let place = at(offset);
+        let length = PREFIX + body.len() as u64;
+        self.header_comes_first(&record, opcode, place, findings);
+        if !matches!(record, Record::MessageIndex { .. }) {
+            self.indexes_are_complete(place, findings);
+        }
+        match record {
+            Record::Header { profile } => {
+                if profile != PROFILE {
+                    findings.push(place.finding(
+                        Code::Profile,
+                        "header.profile",
+                        quoted(profile),
+                        quoted(PROFILE),
+                    ));
+                }
+            }
+            Record::Schema(schema) => self.schema(schema, body, place, findings),
+            Record::Channel(channel) => self.channel(&channel, body, place, findings),
+            Record::Message(message) => self.message(message, place, findings)?,
+            Record::Chunk(chunk) => {
+                self.chunks.push(ChunkFacts {
+                    start_time: chunk.start_time,
+                    end_time: chunk.end_time,
+                    offset,
+                    length,
+                    message_index_offsets: BTreeMap::new(),
+                    message_index_length: 0,
+                    compression: chunk.compression.to_owned(),
+                    compressed_size: chunk.data.len() as u64,
+                    uncompressed_size: chunk.uncompressed_size,
+                });
+                self.pending_indexes = chunk::scan(self, &chunk, place, findings)?;
+            }
+            Record::MessageIndex { channel_id, entries } => {
+                self.message_index(channel_id, &entries, offset, length, findings);
+            }
+            Record::Attachment(attachment) => self.attachment(attachment, offset, length, findings),
+            Record::Metadata { .. } => {
+                self.statistics.metadata_count += 1;
+                findings.push(place.finding(Code::Skipped, "metadata", "a record", "none in a field file"));
+            }
+            Record::Private => {
+                findings.push(place.finding(Code::Skipped, "record", "another application's", "MCAP's own"));
+            }
+            _ => {
+                let expected = "a record of the data section";
+                findings.push(place.finding(Code::RecordOrder, "record", record::name(opcode), expected));
+            }
+        }
+        Ok(())
+    }
+
+    /// The data section is over: whatever should have come has come.
+    pub fn end(&mut self, place: Place<'_>, findings: &mut Findings) {
+        self.indexes_are_complete(place, findings);
+        self.statistics.schema_count = self.schemas.len() as u16;
+        self.statistics.channel_count = self.channels.len() as u32;
+        self.statistics.chunk_count = self.chunks.len() as u32;
+        self.statistics.attachment_count = self.attachments.len() as u32;
+        self.statistics.message_count = self.statistics.channel_message_counts.values().sum();
+        self.content.end(place, findings);
+    }
+
+    fn header_comes_first(
+        &mut self,
+        record: &Record<'_>,
+        opcode: u8,
+        place: Place<'_>,
+        findings: &mut Findings,
+    ) {
+        if self.is_empty != matches!(record, Record::Header { .. }) {
+            let expected = "one header, before all else";
+            findings.push(place.finding(Code::RecordOrder, "record", record::name(opcode), expected));
+        }
+        self.is_empty = false;
+    }
+
+    pub fn schema(&mut self, schema: Schema<'_>, body: &[u8], place: Place<'_>, findings: &mut Findings) {
+        let what = format!("schema {}", schema.id);
+        if schema.id == 0 {
+            findings.push(place.finding(Code::Schema, &what, "id 0", "an id above 0"));
+        }
+        if is_redefined(&mut self.schemas, schema.id, body) {
+            findings.push(place.finding(
+                Code::Schema,
+                &what,
+                "another schema of this id",
+                "the same as before",
+            ));
+        }
+        let known = STREAMS.iter().find(|s| s.schema_name == schema.name);
+        self.known_schemas.insert(schema.id, known);
+        let Some(known) = known else { return };
+        if schema.encoding != known.schema_encoding {
+            let (found, expected) = (quoted(schema.encoding), quoted(known.schema_encoding));
+            findings.push(place.finding(Code::Schema, format!("{}.encoding", schema.name), found, expected));
+        }
+        if schema.data != known.schema {
+            let expected = "the text that version 1 has";
+            findings.push(place.finding(Code::SchemaText, schema.name, "another text", expected));
+        }
+    }
+
+    pub fn channel(&mut self, channel: &Channel<'_>, body: &[u8], place: Place<'_>, findings: &mut Findings) {
+        let place = Place { channel: Some(channel.topic), ..place };
+        if is_redefined(&mut self.channels, channel.id, body) {
+            let what = format!("channel {}", channel.id);
+            findings.push(place.finding(
+                Code::Channel,
+                what,
+                "another channel of this id",
+                "the same as before",
+            ));
+        }
+        let known = STREAMS.iter().find(|s| s.topic == channel.topic);
+        let is_second = known.is_some()
+            && self.known_channels.iter().any(|(id, stream)| *id != channel.id && *stream == known);
+        if is_second {
+            findings.push(place.finding(Code::Channel, "topic", "a second channel", "one channel a topic"));
+        }
+        self.known_channels.insert(channel.id, known);
+        let schema = self.known_schemas.get(&channel.schema_id);
+        if channel.schema_id != 0 && schema.is_none() {
+            let expected = "a schema that came before";
+            findings.push(place.finding(Code::Channel, "schema_id", channel.schema_id, expected));
+        }
+        match known {
+            Some(stream) => {
+                if channel.message_encoding != stream.message_encoding {
+                    let (found, expected) =
+                        (quoted(channel.message_encoding), quoted(stream.message_encoding));
+                    findings.push(place.finding(Code::Channel, "message_encoding", found, expected));
+                }
+                if schema.copied().flatten().map(|s| s.schema_name) != Some(stream.schema_name) {
+                    let found = format!("schema {}", channel.schema_id);
+                    findings.push(place.finding(Code::Channel, "schema_id", found, stream.schema_name));
+                }
+            }
+            None if channel.topic.starts_with(topic::OURS) => {
+                let expected = format!("a topic of version {}", crate::VERSION);
+                findings.push(place.finding(Code::Channel, "topic", quoted(channel.topic), expected));
+            }
+            None => {
+                let expected = format!("topics under {}", topic::OURS);
+                findings.push(place.finding(Code::Skipped, "topic", quoted(channel.topic), expected));
+            }
+        }
+    }
+
+    pub fn message(
+        &mut self,
+        message: Message<'_>,
+        place: Place<'_>,
+        findings: &mut Findings,
+    ) -> Result<(), EffError> {
+        let statistics = &mut self.statistics;
+        let is_first = statistics.channel_message_counts.is_empty();
+        let count = statistics.channel_message_counts.entry(message.channel_id).or_default();
+        let position = *count;
+        *count += 1;
+        statistics.start_time =
+            if is_first { message.log_time } else { statistics.start_time.min(message.log_time) };
+        statistics.end_time = statistics.end_time.max(message.log_time);
+        match self.known_channels.get(&message.channel_id) {
+            Some(Some(stream)) => {
+                let place = Place { channel: Some(stream.topic), time_ns: Some(message.log_time), ..place };
+                self.content.message(stream.topic, message, position, place, findings)
+            }
+            Some(None) => Ok(()),
+            None => {
+                let expected = "a channel that came before";
+                findings.push(place.finding(
+                    Code::Channel,
+                    "message.channel_id",
+                    message.channel_id,
+                    expected,
+                ));
+                Ok(())
+            }
+        }
+    }
+
+    fn attachment(&mut self, a: Attachment<'_>, offset: u64, length: u64, findings: &mut Findings) {
+        check_crc(Code::AttachmentCrc, a.crc, a.computed_crc, at(offset), findings);
+        if self.attachments.iter().any(|other| other.name == a.name) {
+            findings.push(at(offset).finding(
+                Code::DuplicateId,
+                "attachment.name",
+                quoted(a.name),
+                "each name once",
+            ));
+        }
+        self.attachments.push(AttachmentFacts {
+            offset,
+            length,
+            log_time: a.log_time,
+            create_time: a.create_time,
+            data_size: a.data.len() as u64,
+            name: a.name.to_owned(),
+            media_type: a.media_type.to_owned(),
+        });
+        self.content.attachment(a);
+    }
+
+    fn message_index(
+        &mut self,
+        channel_id: u16,
+        entries: &[(u64, u64)],
+        offset: u64,
+        length: u64,
+        findings: &mut Findings,
+    ) {
+        match self.pending_indexes.remove(&channel_id) {
+            Some(expected) if expected == entries => {}
+            // Some writers index every channel in every chunk.
+            None if entries.is_empty() => {}
+            Some(_) => {
+                let found = "other times or offsets";
+                findings.push(at(offset).finding(
+                    Code::MessageIndex,
+                    "records",
+                    found,
+                    "those of the chunk before",
+                ));
+            }
+            None => {
+                let expected = "a channel of the chunk before, once";
+                findings.push(at(offset).finding(Code::MessageIndex, "channel_id", channel_id, expected));
+            }
+        }
+        if let Some(chunk) = self.chunks.last_mut() {
+            chunk.message_index_offsets.insert(channel_id, offset);
+            chunk.message_index_length += length;
+        }
+    }
+
+    fn indexes_are_complete(&mut self, place: Place<'_>, findings: &mut Findings) {
+        let missing = std::mem::take(&mut self.pending_indexes);
+        if !missing.is_empty() {
+            let channels: Vec<u16> = missing.into_keys().collect();
+            let expected = format!("indexes of channels {channels:?} too");
+            findings.push(place.finding(Code::MessageIndex, "message indexes", "none", expected));
+        }
+    }
+}
+
+/// Keeps a record of this id; whether another one was there.
+fn is_redefined(records: &mut BTreeMap<u16, Vec<u8>>, id: u16, body: &[u8]) -> bool {
+    records.insert(id, body.to_vec()).is_some_and(|before| before != body)
+}
+
+/// A text as a message shows it.
+pub(super) fn quoted(text: &str) -> String {
+    format!("{text:?}")
+}

@@ -1,0 +1,397 @@
+mod head;
+
+use crate::array::{self, Encoding, Shape};
+use crate::finding::Place;
+use crate::format::{MAX_CHUNK, PROFILE, STREAMS, Stream, time_ns, topic};
+use crate::manifest::Manifest;
+use crate::wire::edits::Edits;
+use crate::wire::proto;
+use crate::{Attachment, Eff, EffError, check};
+pub use head::Head;
+use mcap::records::MessageHeader;
+use mcap::write::NoSeek;
+use prost::Message as _;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::Write;
+use tousle_core::{Progress, WindSample};
+use tousle_field::{Field, GridSpec, Scene};
+
+/// How a field file is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct WriteOptions {
+    /// How the field's vectors are packed.
+    pub encoding: Encoding,
+}
+
+impl WriteOptions {
+    /// Options with this encoding.
+    pub fn with_encoding(encoding: Encoding) -> Self {
+        Self { encoding }
+    }
+}
+
+/// What was written.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct WriteReport {
+    /// The file's length, bytes.
+    pub n_bytes: u64,
+    /// Steps of the field.
+    pub n_steps: u64,
+    /// The largest error that packing made in any component, in the quantity's unit.
+    pub max_error: f64,
+}
+
+/// Writes a field file to a stream: the same bytes for the same field, whatever the machine does besides.
+///
+/// # Errors
+/// [`EffError`] if the stream fails or the field holds what a file cannot: a number that is not finite, a time
+/// before 0, a value beyond the encoding's range.
+pub fn write<W: Write>(
+    eff: &Eff,
+    out: W,
+    options: &WriteOptions,
+    progress: &dyn Progress,
+) -> Result<WriteReport, EffError> {
+    eff.field.check()?;
+    let n_steps = eff.field.steps.len() as u64;
+    let head = Head {
+        name: &eff.name,
+        method: &eff.method,
+        generator: &eff.generator,
+        grid: eff.field.grid,
+        quantity: eff.field.quantity,
+        start_secs: eff.field.start_secs,
+        rate_hz: eff.field.rate_hz,
+        n_steps: Some(n_steps),
+        layers: &eff.field.layers,
+        scene: &eff.scene,
+        samples: eff.samples.as_ref().map(|s| (s.quantity, s.rate_hz, s.steps.len() as u64)),
+    };
+    let mut writer = Writer::new(out, &head, options)?;
+    for attachment in &eff.attachments {
+        writer.attachment(attachment)?;
+    }
+    for samples in eff.samples.iter().flat_map(|s| &s.steps) {
+        writer.samples(samples)?;
+    }
+    for (k, step) in eff.field.steps.iter().enumerate() {
+        progress.at(k as u64, n_steps);
+        writer.step(step)?;
+    }
+    progress.at(n_steps, n_steps);
+    writer.finish().map(|(report, _)| report)
+}
+
+/// Writes a field file step by step, holding one of them at a time.
+///
+/// What is dropped before [`Writer::finish`] leaves a cut file, which every reader takes for one.
+pub struct Writer<W: Write> {
+    /// `None` once finished.
+    mcap: Option<mcap::Writer<NoSeek<Counted<W>>>>,
+    manifest: Manifest,
+    encoding: Encoding,
+    /// Messages written so far, by channel.
+    counts: BTreeMap<u16, u64>,
+    /// Bytes of messages in the chunk that is open.
+    n_open: usize,
+    report: WriteReport,
+}
+
+impl<W: Write> std::fmt::Debug for Writer<W> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Writer").field("manifest", &self.manifest).field("report", &self.report).finish()
+    }
+}
+
+/// Small messages share a chunk up to this many bytes: few enough to find one quickly, many enough that
+/// compression sees what repeats.
+const SHARED_CHUNK: usize = 1 << 20;
+
+/// Zstandard's level 1: at byte planes of noisy floats higher levels gain a percent and take twice the time.
+const LEVEL: u32 = 1;
+
+impl<W: Write> Writer<W> {
+    /// Begins a file: manifest, edits and poses are written at once.
+    ///
+    /// # Errors
+    /// [`EffError`] if the stream fails or the head holds what a file cannot.
+    pub fn new(out: W, head: &Head<'_>, options: &WriteOptions) -> Result<Self, EffError> {
+        let manifest = head::manifest(head, options.encoding);
+        let edits = Edits { layers: head.layers.iter().map(Into::into).collect() };
+        head::check(&manifest, &edits, head)?;
+        let mcap_options = mcap::WriteOptions::new()
+            .profile(PROFILE)
+            .library(concat!("tousle-eff ", env!("CARGO_PKG_VERSION")))
+            .compression(Some(mcap::Compression::Zstd))
+            .compression_level(LEVEL)
+            // Any other number than none changes the bytes.
+            .compression_threads(0)
+            .chunk_size(None)
+            .disable_seeking(true);
+        let out = NoSeek::new(Counted { inner: out, n_bytes: 0 });
+        let mut writer = Self {
+            mcap: Some(mcap_options.create(out)?),
+            manifest,
+            encoding: options.encoding,
+            counts: BTreeMap::new(),
+            n_open: 0,
+            report: WriteReport::default(),
+        };
+        writer.channels(!head.layers.is_empty())?;
+        let payload = serde_json::to_vec(&writer.manifest).map_err(std::io::Error::from)?;
+        writer.message(topic::MANIFEST, 0, &payload)?;
+        if !head.layers.is_empty() {
+            let payload = serde_json::to_vec(&edits).map_err(std::io::Error::from)?;
+            writer.message(topic::EDITS, 0, &payload)?;
+        }
+        writer.close_chunk()?;
+        writer.poses(head.scene)?;
+        Ok(writer)
+    }
+
+    /// Declares the channels that this file will use.
+    fn channels(&mut self, has_edits: bool) -> Result<(), EffError> {
+        let has_samples = self.manifest.samples.is_some();
+        for (id, stream) in (1..).zip(&STREAMS) {
+            let is_used = match stream.topic {
+                topic::EDITS => has_edits,
+                topic::SAMPLES => has_samples,
+                _ => true,
+            };
+            if is_used {
+                let mcap = self.mcap();
+                mcap.add_schema_with_id(id, stream.schema_name, stream.schema_encoding, stream.schema)?;
+                mcap.add_channel_with_id(id, id, stream.topic, stream.message_encoding, &BTreeMap::new())?;
+            }
+        }
+        Ok(())
+    }
+
+    fn poses(&mut self, scene: &Scene) -> Result<(), EffError> {
+        for (k, pose) in scene.poses.poses.iter().enumerate() {
+            let time_ns = step_time("pose", self.manifest.pose.pose_secs(k as u64))?;
+            let (translation, rotation) = (pose.translation.vector.into(), pose.rotation.coords.into());
+            check::pose(translation, rotation, "", Place::default())
+                .map_err(|f| EffError::bad(format!("pose {k}, {}", f.what), f.found, f.expected))?;
+            let ([x, y, z], [qx, qy, qz, qw]) = (translation, rotation);
+            let message = proto::PoseStep {
+                index: k as u64,
+                time_ns,
+                translation_m: Some(proto::Vector3 { x, y, z }),
+                rotation: Some(proto::Quaternion { x: qx, y: qy, z: qz, w: qw }),
+            };
+            self.message(topic::POSE, time_ns, &message.encode_to_vec())?;
+        }
+        self.close_chunk()
+    }
+
+    /// Writes the samples of the next step.
+    ///
+    /// # Errors
+    /// [`EffError`] if the stream fails, no samples were announced, or a number cannot be.
+    pub fn samples(&mut self, samples: &[WindSample]) -> Result<(), EffError> {
+        let index = self.count(topic::SAMPLES);
+        let Some(info) = self.manifest.samples.filter(|info| index < info.n_steps) else {
+            let expected = self.manifest.samples.map_or(0, |s| s.n_steps);
+            return Err(EffError::bad("steps of samples", index + 1, format!("{expected}, as announced")));
+        };
+        let time_ns = step_time("samples", info.step_secs(index))?;
+        check::covariances(samples, Place::default()).map_err(|f| {
+            EffError::bad(format!("samples of step {index}, {}", f.what), f.found, f.expected)
+        })?;
+        let column = |n: usize, get: &dyn Fn(&WindSample, usize) -> f64| {
+            let numbers = (0..n).flat_map(|c| samples.iter().map(move |s| get(s, c) as f32));
+            array::pack_f32(&numbers.collect::<Vec<f32>>())
+        };
+        for (what, vector) in samples.iter().flat_map(|s| [("position", s.position_m), ("value", s.value)]) {
+            if !vector.iter().all(|c| (*c as f32).is_finite()) {
+                let found = format!("{:?}", vector.as_slice());
+                return Err(EffError::bad(
+                    format!("samples of step {index}, {what}"),
+                    found,
+                    "finite numbers",
+                ));
+            }
+        }
+        let message = proto::SampleStep {
+            index,
+            time_ns,
+            strand_idx: samples.iter().map(|s| s.strand_idx).collect(),
+            marker_idx: samples.iter().map(|s| s.marker_idx).collect(),
+            position_m: Some(column(3, &|s, c| s.position_m[c])),
+            value: Some(column(3, &|s, c| s.value[c])),
+            covariance: Some(column(6, &|s, c| s.covariance[c])),
+        };
+        self.message(topic::SAMPLES, time_ns, &message.encode_to_vec())
+    }
+
+    /// Writes the next step of the field, in a chunk of its own.
+    ///
+    /// # Errors
+    /// [`EffError`] if the stream fails, the step does not fit the grid, or a number cannot be.
+    pub fn step(&mut self, step: &Field) -> Result<(), EffError> {
+        let index = self.count(topic::FIELD);
+        let info = &self.manifest.field;
+        let time_ns = step_time("field", info.step_secs(index))?;
+        let grid = info.grid.spec();
+        check_step(step, &grid, index)?;
+        let shape = Shape { planes: 3, dims: grid.dims };
+        let u = array::pack(&step.u, shape, self.encoding).map_err(|unpackable| {
+            EffError::bad(format!("step {index}"), unpackable.found, unpackable.expected)
+        })?;
+        if self.encoding != Encoding::F32 {
+            let read = array::unpack(&u, shape, Place::default(), "u")?;
+            let errors = read.iter().zip(&step.u).map(|(a, b)| (f64::from(*a) - f64::from(*b)).abs());
+            self.report.max_error = errors.fold(self.report.max_error, f64::max);
+        }
+        let [x, y, z] = step.outside.into();
+        let message = proto::FieldStep {
+            index,
+            time_ns,
+            u: Some(u),
+            flags: step.flags.iter().map(|flag| *flag as u8).collect(),
+            sd: step.sd.as_deref().map(|sd| match self.encoding {
+                Encoding::F32 => array::pack_f32(sd),
+                _ => array::pack_f16_if_possible(sd),
+            }),
+            outside: Some(proto::Vector3 { x, y, z }),
+        };
+        self.close_chunk()?;
+        self.message(topic::FIELD, time_ns, &message.encode_to_vec())?;
+        self.close_chunk()?;
+        self.report.n_steps += 1;
+        Ok(())
+    }
+
+    /// Writes a file into the file.
+    ///
+    /// # Errors
+    /// [`EffError`] if the stream fails.
+    pub fn attachment(&mut self, attachment: &Attachment) -> Result<(), EffError> {
+        self.close_chunk()?;
+        self.mcap().attach(&mcap::Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: attachment.name.clone(),
+            media_type: attachment.media_type.clone(),
+            data: Cow::Borrowed(&attachment.bytes),
+        })?;
+        Ok(())
+    }
+
+    /// Ends the file; gives what was written, and the stream.
+    ///
+    /// # Errors
+    /// [`EffError`] if the stream fails or there are other numbers of steps than were announced.
+    pub fn finish(mut self) -> Result<(WriteReport, W), EffError> {
+        let announced = [
+            (topic::FIELD, self.manifest.field.n_steps.unwrap_or(self.report.n_steps.max(1))),
+            (topic::SAMPLES, self.manifest.samples.map_or(0, |s| s.n_steps)),
+        ];
+        for (topic, expected) in announced {
+            let found = self.count(topic);
+            if found != expected {
+                return Err(EffError::bad(
+                    format!("steps on {topic}"),
+                    found,
+                    format!("{expected}, as announced"),
+                ));
+            }
+        }
+        self.close_chunk()?;
+        self.mcap().finish()?;
+        let mcap = self.mcap.take().expect("it is taken here and in drop only");
+        let counted = mcap.into_inner().into_inner();
+        self.report.n_bytes = counted.n_bytes;
+        Ok((self.report, counted.inner))
+    }
+
+    fn message(&mut self, topic: &str, log_time: u64, payload: &[u8]) -> Result<(), EffError> {
+        if self.n_open + payload.len() > SHARED_CHUNK {
+            self.close_chunk()?;
+        }
+        if payload.len() as u64 + 1024 > MAX_CHUNK {
+            return Err(EffError::bad(
+                topic,
+                format!("a message of {} bytes", payload.len()),
+                "a smaller one",
+            ));
+        }
+        let channel_id = channel_id(topic);
+        let count = self.counts.entry(channel_id).or_default();
+        let header = MessageHeader { channel_id, sequence: *count as u32, log_time, publish_time: log_time };
+        *count += 1;
+        self.n_open += payload.len();
+        self.mcap().write_to_known_channel(&header, payload)?;
+        Ok(())
+    }
+
+    /// Ends the chunk that is open, so that all written so far survives whatever comes.
+    fn close_chunk(&mut self) -> Result<(), EffError> {
+        self.n_open = 0;
+        Ok(self.mcap().flush()?)
+    }
+
+    fn count(&self, topic: &str) -> u64 {
+        self.counts.get(&channel_id(topic)).copied().unwrap_or(0)
+    }
+
+    fn mcap(&mut self) -> &mut mcap::Writer<NoSeek<Counted<W>>> {
+        self.mcap.as_mut().expect("it is taken in finish and drop only")
+    }
+}
+
+impl<W: Write> Drop for Writer<W> {
+    /// The container's own drop would end the file as if it were whole; taking the stream from it prevents that.
+    fn drop(&mut self) {
+        if let Some(mcap) = self.mcap.take() {
+            drop(mcap.into_inner());
+        }
+    }
+}
+
+/// The channel of a topic; its schema has the same number.
+fn channel_id(topic: &str) -> u16 {
+    let place = STREAMS.iter().position(|s: &Stream| s.topic == topic);
+    place.expect("only the format's own topics are written") as u16 + 1
+}
+
+fn check_step(step: &Field, grid: &GridSpec, index: u64) -> Result<(), EffError> {
+    let n = grid.n_voxels();
+    let sd_len = step.sd.as_ref().map_or(n, Vec::len);
+    let sizes = [("u", step.u.len(), 3 * n), ("flags", step.flags.len(), n), ("sd", sd_len, n)];
+    for (what, found, expected) in sizes {
+        if found != expected {
+            return Err(EffError::bad(format!("step {index}, {what}"), found, expected));
+        }
+    }
+    check::finite(&step.u, "u", Place::default())
+        .and_then(|()| check::finite_vector(step.outside.into(), "outside", Place::default()))
+        .and_then(|()| step.sd.as_deref().map_or(Ok(()), |sd| check::deviations(sd, Place::default())))
+        .map_err(|f| EffError::bad(format!("step {index}, {}", f.what), f.found, f.expected))
+}
+
+fn step_time(what: &str, secs: f64) -> Result<u64, EffError> {
+    time_ns(secs).ok_or_else(|| EffError::bad(format!("{what}, time of a step"), secs, "0 to 1e6 s"))
+}
+
+/// A stream that counts.
+struct Counted<W> {
+    inner: W,
+    n_bytes: u64,
+}
+
+impl<W: Write> Write for Counted<W> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let n = self.inner.write(bytes)?;
+        self.n_bytes += n as u64;
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.inner.flush()
+    }
+}
