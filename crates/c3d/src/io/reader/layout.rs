@@ -125,7 +125,7 @@ fn first_frame(start: &Start, parameters: &Parameters, warnings: &mut Vec<Warnin
     };
     let fills_the_word = stated > 0xffff && (header == 0xffff || u32::from(header) == stated & 0xffff);
     let used = if fills_the_word { stated } else { u32::from(header) };
-    if stated != u32::from(header) {
+    if stated != u32::from(header) && !fills_the_word {
         warnings.push(Warning::Contradiction {
             quantity: Quantity::FirstFrame,
             header: f64::from(header),

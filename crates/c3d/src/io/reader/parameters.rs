@@ -74,6 +74,9 @@ impl Section<'_> {
             return None;
         }
         let stated = record.pointer_at + usize::from(pointer);
+        if stated == record.end {
+            return Some(stated);
+        }
         let swapped = record.pointer_at + usize::from(pointer.swap_bytes());
         // No record starts inside the values of the one before: reading comes to an end, and what is read is not
         // more than what is there.
