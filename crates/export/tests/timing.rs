@@ -7,7 +7,9 @@ use std::io::{BufWriter, Seek, Write};
 use std::time::Instant;
 
 use tousle_core::{Groom, Quantity, Strand, StrandMotion, Vec3};
-use tousle_export::{HairGeometry, UsdOptions, write_field_npz, write_motion_npz, write_motion_usda};
+use tousle_export::{
+    HairGeometry, UsdOptions, write_field_npz, write_motion_npz, write_motion_usda, write_step_vdb,
+};
 use tousle_field::{Field, FieldSequence, GridSpec};
 
 /// 10,000 strands of 16 points in 24 frames, swinging.
@@ -86,5 +88,8 @@ fn writers() {
     time("curves .usda", |out| write_motion_usda(&motion, &groom, &options, out).unwrap());
     options.geometry = HairGeometry::Reeds;
     time("reeds .usda", |out| write_motion_usda(&motion, &groom, &options, out).unwrap());
+    time("field .vdb, all steps", |out| {
+        (0..field.steps.len()).for_each(|step| write_step_vdb(&field, step, &mut *out).unwrap());
+    });
     time("field .npz", |out| write_field_npz(&field, out).unwrap());
 }

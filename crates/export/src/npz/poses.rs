@@ -14,7 +14,7 @@ const MAX_BYTES: u64 = 1 << 28;
 /// How far a matrix may be from a rotation, as the largest entry of R Rᵀ − 1: five digits written by hand pass.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
-/// Writes a pose track: `t` (T) s, `R` (T, 3, 3) and `p` (T, 3) m, so that p_world = R p_head + p.
+/// Writes a pose track: `t` (T) s, `R` (T, 3, 3) and `p` (T, 3) m, so that `p_world = R p_head + p`.
 ///
 /// # Errors
 /// [`ExportError::Io`] if `out` takes no more.
@@ -29,7 +29,7 @@ pub fn write_poses_npz(poses: &PoseTrack, out: impl Write + Seek) -> Result<(), 
     Ok(())
 }
 
-/// Reads a pose track: `t` (T) evenly spaced s, `R` (T, 3, 3), `p` (T, 3) m, so that p_world = R p_head + p.
+/// Reads a pose track: `t` (T) evenly spaced s, `R` (T, 3, 3), `p` (T, 3) m, so that `p_world = R p_head + p`.
 ///
 /// Numbers of any type. Rotations that are a little off (written with few digits) are made whole.
 ///
