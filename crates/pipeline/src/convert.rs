@@ -88,7 +88,9 @@ pub enum ConvertError {
         source: CheckError,
     },
     /// Nobody says which way is up, and gravity must point somewhere.
-    #[error("neither the capture nor the session says which axis is up: add \"up_axis\": \"Z\" (or X, Y) to the session")]
+    #[error(
+        "neither the capture nor the session says which axis is up: add \"up_axis\": \"Z\" (or X, Y) to the session"
+    )]
     NoUpAxis,
     /// The grid.
     #[error("the grid is impossible")]
@@ -235,7 +237,15 @@ fn attachments(session: Input<'_>, report: &ConversionReport) -> Vec<Attachment>
         if is_toml { ("session.toml", "application/toml") } else { ("session.json", "application/json") };
     let report = serde_json::to_vec_pretty(report).expect("a report is made of strings, numbers and lists");
     vec![
-        Attachment { name: name.to_owned(), media_type: media_type.to_owned(), bytes: session.bytes.to_vec() },
-        Attachment { name: "report.json".to_owned(), media_type: "application/json".to_owned(), bytes: report },
+        Attachment {
+            name: name.to_owned(),
+            media_type: media_type.to_owned(),
+            bytes: session.bytes.to_vec(),
+        },
+        Attachment {
+            name: "report.json".to_owned(),
+            media_type: "application/json".to_owned(),
+            bytes: report,
+        },
     ]
 }

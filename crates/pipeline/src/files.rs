@@ -40,7 +40,10 @@ pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
 ///
 /// # Errors
 /// [`FileError::Write`] with the path and the cause, be it the disk's or `write`'s own.
-pub fn write_whole<T, E>(path: &Path, write: impl FnOnce(&mut BufWriter<&File>) -> Result<T, E>) -> Result<T, FileError>
+pub fn write_whole<T, E>(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&File>) -> Result<T, E>,
+) -> Result<T, FileError>
 where
     E: Into<Box<dyn std::error::Error + Send + Sync>>,
 {
@@ -57,7 +60,10 @@ where
     let name = path.file_name().ok_or("the path names no file")?.to_string_lossy();
     // An empty parent is the current folder.
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
-    let temporary = tempfile::Builder::new().prefix(&format!(".{name}.")).suffix(".partial").make_in(folder, open_like_any_other)?;
+    let temporary = tempfile::Builder::new()
+        .prefix(&format!(".{name}."))
+        .suffix(".partial")
+        .make_in(folder, open_like_any_other)?;
     let value = {
         let mut out = BufWriter::with_capacity(1 << 18, temporary.as_file());
         let value = write(&mut out).map_err(Into::into)?;

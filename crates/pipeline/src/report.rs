@@ -53,14 +53,18 @@ impl ConversionReport {
         let mut losses = Vec::new();
         if !self.head.frames_without_pose.is_empty() {
             let n = self.head.frames_without_pose.len();
-            losses.push(format!("{n} of {} frames have no head pose and were left out", self.capture.n_frames));
+            losses
+                .push(format!("{n} of {} frames have no head pose and were left out", self.capture.n_frames));
         }
         if !self.fit.strands_skipped.is_empty() {
             losses.push(format!("locks that gave no sample at all: {}", self.fit.strands_skipped.join(", ")));
         }
         if self.raster.n_steps_empty > 0 {
             let n = self.raster.n_steps_empty;
-            losses.push(format!("{n} of {} time steps hold no measurement: outside wind only", self.fit.n_steps));
+            losses.push(format!(
+                "{n} of {} time steps hold no measurement: outside wind only",
+                self.fit.n_steps
+            ));
         }
         self.losses = losses;
     }
