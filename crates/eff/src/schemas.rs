@@ -4,6 +4,7 @@
 
 use crate::wire::{edits::Edits, manifest::Manifest};
 use prost::Message as _;
+use serde::Serialize as _;
 use std::path::PathBuf;
 
 fn schemas() -> PathBuf {
@@ -23,7 +24,10 @@ fn check(name: &str, expected: &[u8]) {
 fn json_schema<T: schemars::JsonSchema>(id: &str) -> Vec<u8> {
     let mut schema = schemars::schema_for!(T);
     schema.insert("$id".into(), format!("urn:tousle:{id}").into());
-    let mut text = serde_json::to_vec_pretty(&schema).unwrap();
+    // It travels in every file, twice: one blank is indentation enough.
+    let mut text = Vec::new();
+    let format = serde_json::ser::PrettyFormatter::with_indent(b" ");
+    schema.serialize(&mut serde_json::Serializer::with_formatter(&mut text, format)).unwrap();
     text.push(b'\n');
     text
 }
