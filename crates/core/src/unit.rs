@@ -29,6 +29,16 @@ impl LengthUnit {
         }
     }
 
+    /// The unit's short name: `mm`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Millimeter => "mm",
+            Self::Centimeter => "cm",
+            Self::Meter => "m",
+            Self::Inch => "in",
+        }
+    }
+
     /// Reads the names that files in the field use, blanks and case aside; `None` for anything else.
     pub fn from_name(name: &str) -> Option<Self> {
         match name.trim().to_ascii_lowercase().as_str() {
