@@ -177,8 +177,6 @@ codes! {
     Covariance = "covariance", Error;
     /// Two layers share an id.
     DuplicateId = "duplicate-id", Error;
-    /// A layer or a track does not meet the time span of the field.
-    Span = "span", Warning;
     /// A marker was in a voxel that is not flagged as measured.
     FlagSamples = "flag-samples", Warning;
     /// Something that readers skip: a topic outside `/eff/`, a record of another application.
@@ -194,5 +192,23 @@ impl fmt::Display for Code {
 impl Serialize for Code {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The table in the specification names every code, with its severity, and no other.
+    #[test]
+    fn every_code_is_explained() {
+        let spec = include_str!("../../../docs/eff.md");
+        let table = spec.split("## Findings").nth(1).unwrap();
+        let rows: Vec<_> = table.lines().filter(|line| line.starts_with("| `")).collect();
+        assert_eq!(rows.len(), Code::ALL.len());
+        for (row, code) in rows.into_iter().zip(Code::ALL) {
+            let severity = if code.severity() == Severity::Error { "error" } else { "warning" };
+            assert!(row.starts_with(&format!("| `{code}` | {severity} | ")), "{code}: {row}");
+        }
     }
 }

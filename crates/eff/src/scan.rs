@@ -159,7 +159,8 @@ fn at(offset: u64) -> Place<'static> {
 /// A checksum of 0 means "not computed" to MCAP; a field file always has them.
 fn check_crc(code: Code, found: u32, computed: u32, place: Place<'_>, findings: &mut Findings) {
     if found != computed {
-        findings.push(place.finding(code, "crc", format!("{found:08x}"), format!("{computed:08x}")));
+        let found = if found == 0 { "none".to_owned() } else { format!("{found:08x}") };
+        findings.push(place.finding(code, "crc", found, format!("{computed:08x}")));
     }
 }
 
