@@ -66,10 +66,13 @@ fn parse(cell: &[u8]) -> Result<f64, &'static str> {
 
 /// Whether a cell holds one of the words that programs write for a number that is not there.
 fn says_nothing(cell: &[u8]) -> bool {
-    let unsigned = cell.strip_prefix(b"-").or_else(|| cell.strip_prefix(b"+")).unwrap_or(cell);
-    [&b"nan"[..], b"nan(ind)", b"nan(snan)", b"1.#qnan", b"1.#ind", b"1.#nan", b"#n/a", b"n/a", b"na"]
-        .iter()
-        .any(|word| unsigned.eq_ignore_ascii_case(word))
+    let word =
+        cell.strip_prefix(b"-").or_else(|| cell.strip_prefix(b"+")).unwrap_or(cell).to_ascii_lowercase();
+    // `1.#QNAN0`, `nan(ind)`: how some runtimes print it.
+    word.starts_with(b"nan(")
+        || word.starts_with(b"1.#qnan")
+        || word.starts_with(b"1.#ind")
+        || matches!(&*word, b"nan" | b"#n/a" | b"n/a" | b"na")
 }
 
 #[cfg(test)]

@@ -37,8 +37,8 @@ pub(crate) struct Columns {
 pub(crate) struct PointReader {
     columns: Vec<Columns>,
     width: Width,
-    /// A full table has at least one byte a cell; far more cells than bytes mean that most are not there.
-    most_cells: usize,
+    /// A full table has at least three bytes a position; far more positions than bytes mean that most are not there.
+    most_positions: usize,
     numbers: Numbers,
     table: PointTable,
     odd_lines: usize,
@@ -70,7 +70,7 @@ impl PointReader {
         Self {
             columns,
             width,
-            most_cells: file_len.saturating_mul(2),
+            most_positions: file_len.saturating_mul(2),
             numbers,
             table: PointTable { frames: Vec::new(), points },
             odd_lines: 0,
@@ -86,7 +86,7 @@ impl PointReader {
             .ok_or_else(|| CsvError::cell(row.line, 0, row.cell(0), "a frame number (a whole number)"))?;
         self.check_width(row)?;
         self.table.frames.push(frame);
-        if self.table.frames.len().saturating_mul(self.columns.len()) > self.most_cells {
+        if self.table.frames.len().saturating_mul(self.columns.len()) > self.most_positions {
             let found = format!("lines of {} cells or so", row.len());
             return Err(CsvError::line(row.line, found, format!("{} cells in each", self.width.used)));
         }

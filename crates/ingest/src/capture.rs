@@ -1,4 +1,6 @@
-use crate::recording::{Frames, LARGEST_SPREAD, Point, Recording, Role};
+use crate::label::{Label, is_unlabeled};
+use crate::recording::{Point, Recording, Role};
+use crate::time::Rows;
 use crate::{CaptureFormat, IngestError, IngestOptions};
 use serde::Serialize;
 use tousle_core::{Capture, LengthUnit, Track, Trajectory, Vec3};
@@ -33,81 +35,120 @@ pub struct IngestReport {
 pub fn read_capture(bytes: &[u8], options: &IngestOptions) -> Result<Ingested, IngestError> {
     let mut recording = crate::recording::read(bytes)?;
     let mut warnings = std::mem::take(&mut recording.warnings);
-    keep_markers(&mut recording, &mut warnings)?;
+    let chosen = choose(&recording, options, &mut warnings)?;
     let (unit, file_unit) = unit(&recording, options, &mut warnings)?;
     let rate_hz = rate(&recording, options, &mut warnings)?;
     let rows = Rows::of(&recording.frames, &mut warnings)?;
-    let mut n_zeros = 0;
-    let mut trajectories: Vec<Trajectory> = std::mem::take(&mut recording.points)
-        .into_iter()
-        .map(|point| trajectory(point, &rows, unit.meters(), options.keep_exact_zeros, &mut n_zeros))
-        .collect();
-    if n_zeros > 0 {
-        warnings.push(format!("{n_zeros} positions are exactly 0, 0, 0 and count as missing"));
-    }
-    if let Some(subject) = &options.subject {
-        trajectories = of_subject(trajectories, subject, &mut warnings)?;
-    }
+    let tracks = tracks(&mut recording, &chosen, unit, &rows, options, &mut warnings)?;
+    let named = chosen.into_iter().zip(tracks);
     let capture = Capture {
         rate_hz,
         first_frame: recording.frames.first(),
         n_frames: rows.n_frames,
         file_unit,
         up_axis: recording.up_axis,
-        trajectories,
+        trajectories: named
+            .map(|((_, label), track)| Trajectory { subject: label.subject, label: label.name, track })
+            .collect(),
     };
     Ok(Ingested { capture, format: recording.format, report: IngestReport { warnings } })
 }
 
-/// Leaves the points that are markers, each once.
-fn keep_markers(recording: &mut Recording, warnings: &mut Vec<String>) -> Result<(), IngestError> {
-    let n_before = recording.points.len();
-    recording.points.retain(|p| p.role != Role::Computed);
-    if recording.points.len() < n_before {
-        let n = n_before - recording.points.len();
+/// The points to load, by index: the markers, each once, of the subject that was asked for.
+fn choose(
+    recording: &Recording<'_>,
+    options: &IngestOptions,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<(usize, Label)>, IngestError> {
+    let markers = markers(recording, warnings)?;
+    let label = |idx: usize| (idx, Label::of(idx, recording.points[idx].label.as_deref()));
+    let labeled: Vec<(usize, Label)> = markers.into_iter().map(label).collect();
+    match &options.subject {
+        Some(subject) => of_subject(labeled, subject, warnings),
+        None => Ok(labeled),
+    }
+}
+
+fn markers(recording: &Recording<'_>, warnings: &mut Vec<String>) -> Result<Vec<usize>, IngestError> {
+    let points = &recording.points;
+    let of_role = |role: Role| points.iter().filter(|p| p.role == role).count();
+    if of_role(Role::Computed) > 0 {
+        let n = of_role(Role::Computed);
         warnings.push(format!("{n} points are computed (angles, forces, poses), not seen, and are left out"));
     }
-    let labeled = |p: &Point| p.role == Role::Marker && !is_unlabeled(&p.label);
-    if recording.points.iter().any(labeled) && recording.points.iter().any(|p| p.role == Role::Solved) {
-        let n_all = recording.points.len();
-        recording.points.retain(|p| p.role == Role::Marker);
-        let n = n_all - recording.points.len();
-        warnings.push(format!(
-            "{n} solved positions of markers are left out: the file has the measured ones too"
-        ));
+    let is_labeled_marker =
+        |p: &Point| p.role == Role::Marker && !p.label.as_deref().is_some_and(is_unlabeled);
+    let solved_too = !points.iter().any(is_labeled_marker);
+    if of_role(Role::Solved) > 0 && !solved_too {
+        let n = of_role(Role::Solved);
+        warnings
+            .push(format!("{n} solved positions of markers are left out: the measured ones are there too"));
     }
-    if recording.points.is_empty() || recording.frames.n_rows() == 0 {
-        let points = match (recording.points.len(), n_before) {
-            (0, 0) => "no points".to_owned(),
-            (0, n) => format!("{n} points, none of them a marker"),
-            (n, _) => format!("{n} markers and no frames"),
-        };
-        let other: Vec<String> = recording.other.iter().map(ToString::to_string).collect();
-        let found = if other.is_empty() { points } else { format!("{points}; {}", other.join(", ")) };
-        return Err(IngestError::NoTrajectories { found });
+    let is_wanted = |p: &Point| p.role == Role::Marker || p.role == Role::Solved && solved_too;
+    let markers: Vec<usize> = (0..points.len()).filter(|&idx| is_wanted(&points[idx])).collect();
+    if markers.is_empty() || recording.frames.n_rows() == 0 {
+        return Err(IngestError::NoTrajectories { found: contents(recording, markers.len()) });
     }
-    Ok(())
+    Ok(markers)
+}
+
+/// What a file without trajectories holds instead.
+fn contents(recording: &Recording<'_>, n_markers: usize) -> String {
+    let points = match (n_markers, recording.points.len()) {
+        (0, 0) => "no points".to_owned(),
+        (0, n) => format!("{n} points, none of them a marker"),
+        (n, _) => format!("{n} markers and no frames"),
+    };
+    let other = recording.other.iter().map(ToString::to_string);
+    std::iter::once(points).chain(other).collect::<Vec<_>>().join(", ")
+}
+
+/// The subject's markers and those that nobody labeled.
+fn of_subject(
+    mut labeled: Vec<(usize, Label)>,
+    wanted: &str,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<(usize, Label)>, IngestError> {
+    let mut subjects: Vec<&str> = labeled.iter().filter_map(|(_, l)| l.subject.as_deref()).collect();
+    subjects.sort_unstable();
+    subjects.dedup();
+    if subjects.is_empty() {
+        warnings.push(format!("no label names a subject; all markers are taken to be those of {wanted:?}"));
+        return Ok(labeled);
+    }
+    if !subjects.contains(&wanted) {
+        return Err(IngestError::NoSuchSubject { wanted: wanted.to_owned(), found: subjects.join(", ") });
+    }
+    let n_all = labeled.len();
+    labeled.retain(|(_, l)| l.is_unlabeled() || l.subject.as_deref() == Some(wanted));
+    if labeled.len() < n_all {
+        warnings.push(format!("{} markers of other subjects are left out", n_all - labeled.len()));
+    }
+    Ok(labeled)
 }
 
 /// The unit to read positions in, and the one the file names.
 fn unit(
-    recording: &Recording,
+    recording: &Recording<'_>,
     options: &IngestOptions,
     warnings: &mut Vec<String>,
 ) -> Result<(LengthUnit, Option<LengthUnit>), IngestError> {
     let named = recording.unit.as_deref();
     let in_file = named.and_then(LengthUnit::from_name);
     if let Some(unit) = options.unit_override {
-        if let Some(other) = in_file.filter(|&other| other != unit) {
-            warnings.push(format!("the file says {other:?}, read as {unit:?} because the caller says so"));
+        if in_file != Some(unit)
+            && let Some(named) = named
+        {
+            warnings
+                .push(format!("the file says {named:?}, read as {} because the caller says so", unit.name()));
         }
         return Ok((unit, in_file));
     }
     match (in_file, named, options.unit) {
         (Some(unit), _, other) => {
             if let Some(other) = other.filter(|&other| other != unit) {
-                warnings
-                    .push(format!("the file says {unit:?}, the session {other:?}; read as the file says"));
+                let (unit, other) = (unit.name(), other.name());
+                warnings.push(format!("the file says {unit}, the session {other}; read as the file says"));
             }
             Ok((unit, in_file))
         }
@@ -118,18 +159,19 @@ fn unit(
 }
 
 fn rate(
-    recording: &Recording,
+    recording: &Recording<'_>,
     options: &IngestOptions,
     warnings: &mut Vec<String>,
 ) -> Result<f64, IngestError> {
     let found = match (recording.rate_hz, options.rate_hz) {
-        (Some(rate), Some(other)) if (rate - other).abs() > 1e-3 * rate => {
-            warnings.push(format!(
-                "the file says {rate} frames a second, the session {other}; read as the file says"
-            ));
+        (Some(rate), other) => {
+            if let Some(other) = other.filter(|other| (rate - other).abs() > 1e-3 * rate) {
+                warnings.push(format!(
+                    "the file says {rate} frames a second, the session {other}; read as the file says"
+                ));
+            }
             rate
         }
-        (Some(rate), _) => rate,
         (None, Some(rate)) => {
             warnings.push(format!("the file names no frame rate; {rate} a second, as the session says"));
             rate
@@ -139,100 +181,39 @@ fn rate(
     if found.is_finite() && found > 0.0 { Ok(found) } else { Err(IngestError::BadRate { found }) }
 }
 
-/// Where each row of the file goes in time.
-struct Rows {
-    n_frames: usize,
-    /// The frame (from 0) of each row; the row's own index if absent.
-    frame_of_row: Option<Vec<usize>>,
-}
-
-impl Rows {
-    fn of(frames: &Frames, warnings: &mut Vec<String>) -> Result<Self, IngestError> {
-        let listed = match frames {
-            Frames::From { n_rows, .. } => return Ok(Self { n_frames: *n_rows, frame_of_row: None }),
-            Frames::Listed(listed) => listed,
-        };
-        if let Some(pair) = listed.windows(2).find(|pair| pair[1] <= pair[0]) {
-            return Err(IngestError::FramesNotRising { frame: pair[1], previous: pair[0] });
-        }
-        let (first, last) = (frames.first(), listed.last().copied().unwrap_or_default());
-        let n_rows = listed.len();
-        let too_far = IngestError::FramesTooFarApart { first, last, rows: n_rows };
-        let span = last.checked_sub(first).and_then(|span| usize::try_from(span).ok());
-        let most = LARGEST_SPREAD.saturating_mul(n_rows);
-        let n_frames = span.filter(|&span| span < most).ok_or(too_far)? + 1;
-        warnings.push(format!(
-            "the file skips {} of the frames {first} to {last}; they count as not seen",
-            n_frames - n_rows
-        ));
-        // Rising from `first` to `last`, each difference lies within the span that was just checked.
-        let frame_of_row = listed.iter().map(|frame| (frame - first) as usize).collect();
-        Ok(Self { n_frames, frame_of_row: Some(frame_of_row) })
-    }
-}
-
-fn trajectory(point: Point, rows: &Rows, meters: f64, keep_zeros: bool, n_zeros: &mut usize) -> Trajectory {
-    let mut track = Track::missing(rows.n_frames);
-    for (row, position) in point.positions.into_iter().enumerate().take(rows.n_frames) {
-        let Some(position) = position else { continue };
-        if position == [0.0; 3] && !keep_zeros {
-            *n_zeros += 1;
-            continue;
-        }
-        let frame = rows.frame_of_row.as_ref().map_or(row, |frames| frames[row]);
-        track.set(frame, Some(Vec3::from(position) * meters));
-    }
-    let (subject, label) = split_label(&point.label);
-    Trajectory { subject, label, track }
-}
-
-/// The subject's prefix and the marker's name; what nobody labeled gets a name that begins with `*`.
-fn split_label(label: &str) -> (Option<String>, String) {
-    if is_unlabeled(label) && !label.contains('*') {
-        let number: String = label.chars().filter(char::is_ascii_digit).collect();
-        return (None, format!("*{number}"));
-    }
-    match label.split_once(':') {
-        Some((subject, name)) if !subject.is_empty() && !name.is_empty() => {
-            (Some(subject.trim().to_owned()), name.trim().to_owned())
-        }
-        _ => (None, label.to_owned()),
-    }
-}
-
-/// Whether a label is one that a program gives to what nobody labeled: `*12`, `Unlabeled 2278`.
-fn is_unlabeled(label: &str) -> bool {
-    let name = label.split_once(':').map_or(label, |(_, name)| name);
-    let word = label.to_ascii_lowercase();
-    let number = ["unlabeled", "unlabelled"].iter().find_map(|start| word.strip_prefix(start));
-    name.starts_with('*')
-        || number.is_some_and(|rest| {
-            let digits = rest.trim_start_matches([' ', ':', '_', '-']);
-            !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit())
-        })
-}
-
-/// The subject's markers and those that nobody labeled.
-fn of_subject(
-    trajectories: Vec<Trajectory>,
-    wanted: &str,
+fn tracks(
+    recording: &mut Recording<'_>,
+    chosen: &[(usize, Label)],
+    unit: LengthUnit,
+    rows: &Rows,
+    options: &IngestOptions,
     warnings: &mut Vec<String>,
-) -> Result<Vec<Trajectory>, IngestError> {
-    let mut subjects: Vec<&str> = trajectories.iter().filter_map(|t| t.subject.as_deref()).collect();
-    subjects.sort_unstable();
-    subjects.dedup();
-    if subjects.is_empty() {
-        warnings.push(format!("no label names a subject; all markers are taken to be those of {wanted:?}"));
-        return Ok(trajectories);
+) -> Result<Vec<Track>, IngestError> {
+    let idxs: Vec<usize> = chosen.iter().map(|(idx, _)| *idx).collect();
+    let mut tracks = vec![Track::missing(rows.n_frames); idxs.len()];
+    let (mut n_zeros, mut n_faulty) = (0, 0);
+    recording.visit(&idxs, |k, row, position| {
+        if position == [0.0; 3] && !options.keep_exact_zeros {
+            n_zeros += 1;
+            return;
+        }
+        let position_m = Vec3::from(position) * unit.meters();
+        n_faulty += usize::from(position_m.amax() > FARTHEST_M);
+        tracks[k].set(rows.frame(row), Some(position_m));
+    })?;
+    if n_zeros > 0 {
+        warnings.push(format!("{n_zeros} positions are exactly 0, 0, 0 and count as missing"));
     }
-    if !subjects.contains(&wanted) {
-        return Err(IngestError::NoSuchSubject { wanted: wanted.to_owned(), found: subjects.join(", ") });
+    if n_faulty > 0 {
+        warnings.push(format!(
+            "{n_faulty} positions are more than {FARTHEST_M} m from the origin: is the unit right?"
+        ));
     }
-    let n_all = trajectories.len();
-    let is_wanted = |t: &Trajectory| t.is_unlabeled() || t.subject.as_deref() == Some(wanted);
-    let kept: Vec<Trajectory> = trajectories.into_iter().filter(is_wanted).collect();
-    if kept.len() < n_all {
-        warnings.push(format!("{} markers of other subjects are left out", n_all - kept.len()));
-    }
-    Ok(kept)
+    Ok(tracks)
 }
+
+/// No capture room reaches so far, m; millimeters taken for meters do.
+const FARTHEST_M: f64 = 100.0;
+
+#[cfg(test)]
+mod tests;

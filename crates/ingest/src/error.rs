@@ -1,3 +1,5 @@
+use crate::time::LARGEST_SPREAD;
+
 /// Why bytes do not become a capture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -11,6 +13,12 @@ pub enum IngestError {
         /// The first bytes, as text.
         found: String,
     },
+    /// A C3D could not be read.
+    #[error("not a readable C3D")]
+    C3d(#[from] tousle_c3d::ReadError),
+    /// A TRC could not be read.
+    #[error("not a readable TRC")]
+    Trc(#[from] tousle_trc::TrcError),
     /// A CSV could not be read.
     #[error("not a readable CSV capture")]
     Csv(#[from] tousle_csv::CsvError),
@@ -56,8 +64,7 @@ pub enum IngestError {
     },
     /// The frame numbers jump so far that the file holds next to nothing.
     #[error(
-        "found frames {first} to {last} in {rows} rows, expected a row for at least one frame in {}",
-        crate::recording::LARGEST_SPREAD
+        "found frames {first} to {last} in {rows} rows, expected at least one row in {LARGEST_SPREAD} frames"
     )]
     FramesTooFarApart {
         /// The first frame.

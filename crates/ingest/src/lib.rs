@@ -11,10 +11,12 @@ mod capture;
 mod check;
 mod error;
 mod format;
+mod label;
 mod options;
 mod recording;
 mod session;
 mod summary;
+mod time;
 
 pub use capture::{IngestReport, Ingested, read_capture};
 pub use check::{CheckError, MissingMarker, check_against};

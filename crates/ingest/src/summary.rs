@@ -17,7 +17,8 @@ pub struct CaptureSummary {
     pub rate_hz: Option<f64>,
     /// The unit of length as the file names it, if it does.
     pub unit: Option<String>,
-    /// Every point's label as the file has it, padding cut off, in file order.
+    /// The points' labels as the file has them, padding cut off, in file order; fewer than points if the file has
+    /// fewer.
     pub labels: Vec<String>,
     /// Samples (point and frame) without a position.
     pub invalid_samples: usize,
@@ -47,15 +48,15 @@ pub struct OtherContent {
     pub what: String,
     /// How many of them.
     pub count: usize,
+    /// Their names, as far as they have any.
+    pub names: Vec<String>,
     /// Samples a second, if the file says.
     pub rate_hz: Option<f64>,
-    /// Samples of each.
-    pub rows: usize,
 }
 
 impl fmt::Display for OtherContent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} ({} columns, {} rows)", self.what, self.count, self.rows)
+        write!(f, "{} ({})", self.what, self.count)
     }
 }
 
@@ -65,16 +66,26 @@ impl fmt::Display for OtherContent {
 /// [`IngestError`] if the format is unknown or the file is broken.
 pub fn summarize(bytes: &[u8]) -> Result<CaptureSummary, IngestError> {
     let mut recording = crate::recording::read(bytes)?;
-    let trajectories: Vec<TrajectorySummary> = recording.points.iter().map(of_point).collect();
-    let frames = recording.frames.n_rows();
-    let valid: usize = trajectories.iter().map(|t| t.valid).sum();
-    let n_zeros =
-        recording.points.iter().flat_map(|p| &p.positions).filter(|p| **p == Some([0.0; 3])).count();
+    let all: Vec<usize> = (0..recording.points.len()).collect();
+    let mut sums = vec![Sum::default(); all.len()];
+    let mut n_zeros = 0;
+    recording.visit(&all, |k, _, position| {
+        sums[k].add(position);
+        n_zeros += usize::from(position == [0.0; 3]);
+    })?;
     if n_zeros > 0 {
         recording.warnings.push(format!(
             "{n_zeros} positions are exactly 0, 0, 0; conversion takes them as missing unless told to keep them"
         ));
     }
+    let frames = recording.frames.n_rows();
+    let valid: usize = sums.iter().map(|sum| sum.n).sum();
+    let labels = || recording.points.iter().map(|p| p.label.clone());
+    let trajectories = labels().zip(&sums).map(|(label, sum)| TrajectorySummary {
+        label: label.unwrap_or_default(),
+        valid: sum.n,
+        mean: sum.mean(),
+    });
     Ok(CaptureSummary {
         kind: "capture",
         format: recording.format,
@@ -82,22 +93,30 @@ pub fn summarize(bytes: &[u8]) -> Result<CaptureSummary, IngestError> {
         first_frame: recording.frames.first(),
         rate_hz: recording.rate_hz,
         unit: recording.unit,
-        labels: recording.points.into_iter().map(|p| p.label).collect(),
-        invalid_samples: frames * trajectories.len() - valid,
-        trajectories,
+        labels: labels().flatten().collect(),
+        invalid_samples: frames * sums.len() - valid,
+        trajectories: trajectories.collect(),
         other: recording.other,
         warnings: recording.warnings,
     })
 }
 
-fn of_point(point: &crate::recording::Point) -> TrajectorySummary {
-    let valid = point.positions.iter().flatten().count();
-    let mut sum = [0.0; 3];
-    for position in point.positions.iter().flatten() {
-        for (total, coordinate) in sum.iter_mut().zip(position) {
+/// The sum of the positions of one point.
+#[derive(Clone, Default)]
+struct Sum {
+    n: usize,
+    total: [f64; 3],
+}
+
+impl Sum {
+    fn add(&mut self, position: [f64; 3]) {
+        self.n += 1;
+        for (total, coordinate) in self.total.iter_mut().zip(position) {
             *total += coordinate;
         }
     }
-    let mean = (valid > 0).then(|| sum.map(|total| total / valid as f64));
-    TrajectorySummary { label: point.label.clone(), valid, mean }
+
+    fn mean(&self) -> Option<[f64; 3]> {
+        (self.n > 0).then(|| self.total.map(|total| total / self.n as f64))
+    }
 }

@@ -39,3 +39,37 @@ fn csv_and_session_of_every_capture_go_together() {
         assert!((session.body.pivot_m - pivot).norm() < 0.006, "{name}");
     }
 }
+
+/// The CSV has decimals, the float C3D single precision, the integer C3D steps of 0.1 mm.
+#[test]
+fn three_files_of_one_trial_are_one_capture() {
+    let Some(shared) = shared() else { return };
+    let read = |name: &str| {
+        let ingested =
+            read_capture(&bytes(&shared.join("captures/two_fans").join(name)), &IngestOptions::default());
+        ingested.unwrap_or_else(|e| panic!("{name}: {e}")).capture
+    };
+    let csv = read("two_fans.csv");
+    // Half a step of the integer file, and of the last decimal of six in the CSV; single precision near 2 m.
+    for (other, tolerance_m) in
+        [("two_fans.c3d", 0.005e-3 + 2e-7), ("two_fans_int.c3d", 0.05e-3 + 0.005e-3 + 2e-7)]
+    {
+        let c3d = read(other);
+        assert_eq!(c3d.rate_hz, csv.rate_hz);
+        assert_eq!((c3d.first_frame, c3d.n_frames), (csv.first_frame, csv.n_frames));
+        assert_eq!(c3d.file_unit, csv.file_unit);
+        assert_eq!(c3d.trajectories.len(), csv.trajectories.len());
+        let mut worst = 0.0_f64;
+        for (a, b) in c3d.trajectories.iter().zip(&csv.trajectories) {
+            assert_eq!((&a.subject, &a.label), (&b.subject, &b.label));
+            for (frame, (p, q)) in a.track.iter().zip(b.track.iter()).enumerate() {
+                assert_eq!(p.is_some(), q.is_some(), "{other}: {} in frame {frame}", a.label);
+                if let (Some(p), Some(q)) = (p, q) {
+                    worst = worst.max((p - q).amax());
+                }
+            }
+        }
+        println!("{other}: worst difference {:.2e} m", worst);
+        assert!(worst <= tolerance_m && worst > 0.0, "{other}: {worst} m");
+    }
+}

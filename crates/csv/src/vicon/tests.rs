@@ -56,15 +56,150 @@ fn the_same_file_in_other_clothes() {
     }));
 }
 
+/// What Nexus writes when everything is ticked; sections with rates of their own.
+const ALL_SECTIONS: &str = "Events,,,,\r\n100,,,,\r\n\
+    Subject,Context,Name,Time (s),Description\r\nWig,Right,Foot Strike,1.23,\r\nWig,Left,Foot Off,1.5,\r\n\r\n\
+    Devices,,,,\r\n2000,,,,\r\n,,Plate - Force,,\r\nFrame,Sub Frame,Fx,Fy,Fz\r\n,,N,N,N\r\n\
+    695,0,0.1,0.2,0.3\r\n695,1,0.1,0.2,0.3\r\n696,0,,,\r\n696,1,0.1,0.2,0.3\r\n\r\n\
+    Model Outputs,,,,\r\n120,,,,\r\n,,Wig:Angles,,\r\nFrame,Sub Frame,X,Y,Z\r\n,,deg,deg,deg\r\n\
+    695,0,1,2,3\r\n,,,,\r\n";
+
+#[test]
+fn all_sections_in_one_file() {
+    let text = format!("{ALL_SECTIONS}{NEXUS}");
+    let file = read(text.as_bytes()).unwrap();
+    let sections: Vec<(SectionKind, Option<f64>, usize, Option<i64>)> =
+        file.sections.iter().map(|s| (s.kind, s.rate_hz, s.n_rows, s.first_frame)).collect();
+    assert_eq!(
+        sections,
+        [
+            (SectionKind::Events, Some(100.0), 2, None),
+            (SectionKind::Devices, Some(2000.0), 4, Some(695)),
+            (SectionKind::ModelOutputs, Some(120.0), 1, Some(695)),
+            (SectionKind::Trajectories, Some(120.0), 2, Some(695)),
+        ]
+    );
+    assert_eq!(file.sections[1].names, ["Plate - Force"]);
+    assert_eq!(trajectories(&file).table, read(NEXUS.as_bytes()).unwrap().sections[0].table);
+    // The order of sections is the exporter's affair.
+    let turned = read(format!("{NEXUS}\r\n{ALL_SECTIONS}").as_bytes()).unwrap();
+    assert_eq!(trajectories(&turned).table, trajectories(&file).table);
+    assert_eq!(turned.sections.len(), 4);
+}
+
+#[test]
+fn title_and_rate_may_be_cut_off() {
+    let untitled = NEXUS.strip_prefix("Trajectories\r\n120\r\n").unwrap();
+    let file = read(untitled.as_bytes()).unwrap();
+    assert_eq!(trajectories(&file).rate_hz, None);
+    assert_eq!(trajectories(&file).table, read(NEXUS.as_bytes()).unwrap().sections[0].table);
+    let angles = untitled.replace("mm", "deg");
+    assert_eq!(read(angles.as_bytes()).unwrap().sections[0].kind, SectionKind::Other);
+}
+
+#[test]
+fn workstation_files() {
+    let text = "Title\nDate:\nDescription:,\"\"\n\nTRAJECTORIES\n100,Hz\n,LFHD,,,NOSE,,\n\
+        Field #,X,Y,Z,X,Y,Z\n1,174.5,324.5,1728.9,,,\n2,174.5,324.5,1728.9,1,2,3\n\n\
+        ANALOG\n1000,Hz\nSample #,Fx1,Fy1\nUnits:,N,N\n1,0.5,0.5\n2,0.5,0.5\n";
+    let file = read(text.as_bytes()).unwrap();
+    assert_eq!(file.layout, Layout::Workstation);
+    assert_eq!(trajectories(&file).rate_hz, Some(100.0));
+    assert_eq!(trajectories(&file).table.frames, [1, 2]);
+    assert_eq!(trajectories(&file).table.points[0].unit, None);
+    assert_eq!(trajectories(&file).table.points[1].positions, [None, Some([1.0, 2.0, 3.0])]);
+    assert_eq!((file.sections[1].kind, file.sections[1].n_rows), (SectionKind::Devices, 2));
+}
+
+#[test]
+fn derivatives_beside_positions_are_passed_over() {
+    let text = "Trajectories\n100\n,,A,,,,,,,,,B,,\n\
+        Frame,Sub Frame,X,Y,Z,X',Y',Z',X'',Y'',Z'',X,Y,Z\n\
+        ,,mm,mm,mm,mm/s,mm/s,mm/s,mm/s^2,mm/s^2,mm/s^2,mm,mm,mm\n\
+        1,0,1.5,2,3,9,9,9,8,8,8,4,5,6\n";
+    let file = read(text.as_bytes()).unwrap();
+    let [a, b] = &trajectories(&file).table.points[..] else { panic!("two points") };
+    assert_eq!(a.positions, [Some([1.5, 2.0, 3.0])]);
+    assert_eq!(b.positions, [Some([4.0, 5.0, 6.0])]);
+}
+
+#[test]
+fn trajectories_without_a_label_are_reported() {
+    let text = NEXUS.replace("Wig:NOSE", "");
+    let file = read(text.as_bytes()).unwrap();
+    assert_eq!(trajectories(&file).names, ["Wig:LFHD"]);
+    assert_eq!(file.warnings, ["line 4: 1 trajectories without a label are left out"]);
+}
+
+#[test]
+fn short_rows_and_half_positions_are_missing_and_reported() {
+    let text = NEXUS.replace("1508.13,,,", "1508.13").replace("1.5,2.5,3.5", "1.5,,3.5");
+    let file = read(text.as_bytes()).unwrap();
+    assert_eq!(trajectories(&file).table.points[1].positions, [None, None]);
+    assert_eq!(
+        file.warnings,
+        [
+            "1 lines, the first of them line 6, are not as long as the header; missing cells count as blank",
+            "1 positions have one or two of their three coordinates; they count as missing",
+        ]
+    );
+}
+
+#[test]
+fn a_line_that_was_cut_off_gives_no_cut_numbers() {
+    let text = NEXUS.strip_suffix(".5\r\n").unwrap();
+    let whole = read(text.as_bytes()).unwrap();
+    assert_eq!(trajectories(&whole).table.points[1].positions[1], Some([1.5, 2.5, 3.0]), "nobody can tell");
+    let text = NEXUS.strip_suffix(",2.5,3.5\r\n").unwrap();
+    let cut = read(format!("{text},2").as_bytes()).unwrap();
+    assert_eq!(trajectories(&cut).table.points[1].positions[1], None);
+    let text = NEXUS.split("31.8,").next().unwrap();
+    let cut = read(text.as_bytes()).unwrap();
+    assert_eq!(trajectories(&cut).table.points[0].positions, [Some([165.151, 331.839, 1508.13]), None]);
+}
+
+#[test]
+fn errors_say_where() {
+    assert_eq!(
+        error(&NEXUS.replace("331.8,", "331.8x,")),
+        "line 7, column 4: found \"331.8x\", expected a number"
+    );
+    assert_eq!(
+        error(&NEXUS.replace("\r\n696,", "\r\n69.6,")),
+        "line 7, column 1: found \"69.6\", expected a frame number (a whole number)"
+    );
+    assert_eq!(
+        error(&NEXUS.replace("X,Y,Z,X,Y,Z", "X,Y,Z,X,Z,Y")),
+        "line 4, column 6: found \"X\", expected X, Y, Z under the label Wig:NOSE"
+    );
+    assert_eq!(
+        error(&NEXUS.replace("\r\n696,0,", "\r\n696,1,")),
+        "line 7, column 2: found \"1\", expected sub-frame 0: trajectories have one row a frame"
+    );
+    assert_eq!(
+        error("Trajectories\n100\n,,A,,\n"),
+        "line 4: found the end of the file, expected a line that begins with `Frame` or `Field #`"
+    );
+    assert_eq!(
+        error("nothing\nof the kind\n"),
+        "found no section, expected a line with a rate or with `Frame,Sub Frame,…` or `Field #,…`"
+    );
+}
+
 #[test]
 fn decimal_commas_between_commas_are_refused() {
-    let text = NEXUS.replace('.', ",");
     assert_eq!(
-        error(&text),
-        "line 6: found 8 cells, expected at most 8 cells (a decimal comma in a comma-separated file makes two of one)"
-            .replace("found 8", "found 8")
-            .as_str()
-            .replace("line 6: found 8", "line 7: found 14")
+        error(&NEXUS.replace('.', ",")),
+        "line 7: found 14 cells, expected at most 8 cells (a decimal comma in a comma-separated file makes two of one)"
+    );
+    assert_eq!(
+        error(&NEXUS.replace("331.8,", "\"1,508\",")),
+        "line 7, column 4: found \"1,508\", expected a number with a decimal point, without thousands separators"
+    );
+    assert_eq!(
+        error(&NEXUS.replace(',', ";").replace("331.8;", "1,508;")),
+        "line 7, column 4: found \"1,508\", expected a number with the decimal mark that the rest of the file uses, \
+         without thousands separators"
     );
 }
 

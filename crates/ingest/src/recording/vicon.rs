@@ -1,11 +1,11 @@
-use super::{Frames, Point, Recording, Role};
+use super::{Frames, Positions, Recording, markers};
 use crate::{CaptureFormat, IngestError, OtherContent};
 use tousle_csv::vicon::{Layout, Section, SectionKind, ViconFile};
 
 /// The trajectories of a Vicon CSV; other sections are named.
 ///
 /// A file without trajectories gives the frames of its first section and no points.
-pub(super) fn read(bytes: &[u8]) -> Result<Recording, IngestError> {
+pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
     let ViconFile { layout, mut sections, mut warnings } = tousle_csv::vicon::read(bytes)?;
     let idx = sections.iter().position(|s| s.kind == SectionKind::Trajectories);
     let mut main = sections.remove(idx.unwrap_or(0));
@@ -27,18 +27,25 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording, IngestError> {
         Layout::Nexus => CaptureFormat::ViconCsv,
         Layout::Workstation => CaptureFormat::ViconWorkstationCsv,
     };
-    let points = table.points.into_iter();
-    let points =
-        points.map(|p| Point { label: p.label, role: Role::Marker, positions: p.positions }).collect();
-    Ok(Recording { format, rate_hz: main.rate_hz, frames, unit, up_axis: None, points, other, warnings })
+    Ok(Recording {
+        format,
+        rate_hz: main.rate_hz,
+        frames,
+        unit,
+        up_axis: None,
+        points: markers(table.points.iter().map(|p| p.label.clone())),
+        positions: Positions::Table(table.points.into_iter().map(|p| p.positions).collect()),
+        other,
+        warnings,
+    })
 }
 
 fn describe(section: &Section) -> OtherContent {
     OtherContent {
         what: if section.title.is_empty() { "untitled section".into() } else { section.title.clone() },
-        count: section.names.len(),
+        count: if section.names.is_empty() { section.n_rows } else { section.names.len() },
+        names: section.names.clone(),
         rate_hz: section.rate_hz,
-        rows: section.n_rows,
     }
 }
 

@@ -72,6 +72,6 @@ fn errors_say_where() {
     );
     assert_eq!(
         error_with("\"head_markers_mm_in_head_frame\"", "\"head_markers_mm\""),
-        "line 18, column 1: missing field `head_markers_mm_in_head_frame`"
+        "line 16, column 1: missing field `head_markers_mm_in_head_frame`"
     );
 }

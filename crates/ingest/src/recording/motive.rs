@@ -1,0 +1,44 @@
+use super::trc::step_secs;
+use super::{Frames, Point, Positions, Recording, Role};
+use crate::{CaptureFormat, IngestError, OtherContent};
+
+/// The positions of a Motive CSV: markers, where bodies say their markers are, and bodies.
+pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
+    let file = tousle_csv::motive::read(bytes)?;
+    let mut warnings = file.warnings;
+    let mut rate_hz = file.rate_hz.filter(|rate| *rate > 0.0);
+    if rate_hz.is_none()
+        && let Some(step) = step_secs(&file.times_secs, &file.table.frames).filter(|step| *step > 0.0)
+    {
+        rate_hz = Some(1.0 / step);
+        warnings.push(format!("the header names no frame rate; the times of the rows are {step:.6} s apart"));
+    }
+    let rotations = OtherContent {
+        what: "rotations".into(),
+        count: file.rotations.len(),
+        names: file.rotations,
+        rate_hz,
+    };
+    let points = file.table.points.iter().map(|p| Point::new(p.label.clone(), role(&p.kind))).collect();
+    Ok(Recording {
+        format: CaptureFormat::MotiveCsv,
+        rate_hz,
+        frames: Frames::listed(file.table.frames),
+        unit: file.unit,
+        up_axis: None,
+        points,
+        positions: Positions::Table(file.table.points.into_iter().map(|p| p.positions).collect()),
+        other: if rotations.count > 0 { vec![rotations] } else { Vec::new() },
+        warnings,
+    })
+}
+
+/// `Marker` is what the cameras saw; `Rigid Body Marker` and `Bone Marker` are where the solved body has it.
+fn role(kind: &str) -> Role {
+    let kind = kind.to_ascii_lowercase();
+    match kind.as_str() {
+        "marker" | "" => Role::Marker,
+        solved if solved.ends_with("marker") => Role::Solved,
+        _ => Role::Computed,
+    }
+}
