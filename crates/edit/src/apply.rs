@@ -1,0 +1,262 @@
+//! Edits to layers.
+
+use crate::air::extra_winds;
+use crate::chain::{drag, reach_m};
+use crate::e4::{Way, extra_acceleration, handles, n_instants, of_edit, progress};
+use crate::path::check_motion;
+use crate::resolve::{Resolved, resolve};
+use crate::{Action, Edit, EditError, EditList, EditOptions, EditOutcome, EditReport, Target, Unreachable};
+use tousle_core::{Groom, Quantity, StrandMotion, Vec3};
+use tousle_field::{FieldLayer, FieldSequence, LayerOrigin, Scene};
+use tousle_rod::collider_gap;
+
+/// A field with the layers of some edits on top of those it had.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Edited {
+    /// The field; its voxels are untouched.
+    pub sequence: FieldSequence,
+    /// What each edit became.
+    pub report: EditReport,
+}
+
+/// Layers and what they were made from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Layers {
+    /// One layer an edit, in the list's order.
+    pub layers: Vec<FieldLayer>,
+    /// What each edit became.
+    pub report: EditReport,
+}
+
+/// Puts edits on a field as layers.
+///
+/// In: the field and its scene, a groom, and the motion that this groom has in this field. Out: the same field
+/// with one layer an edit on top of its stack; simulate again to see what became of it. Before an edit's first
+/// key and after its second the field is unchanged to the bit. Edits of one list are all made from the given
+/// motion and know nothing of each other. To correct an edit once more, as the paper does until the animator is
+/// content, give the field and the motion with it: the new layer adds what is still missing.
+/// Source: Kazama et al. 2008, section 4, E4 (`docs/equations-edit.md`).
+///
+/// # Errors
+/// [`EditError`] if the field cannot be sampled, the motion is not of this groom, or an edit names what is not
+/// there. A target out of reach is no error but [`EditOutcome::unreachable`].
+pub fn apply(
+    mut field: FieldSequence,
+    scene: &Scene,
+    groom: &Groom,
+    motion: &StrandMotion,
+    edits: &EditList,
+    options: &EditOptions,
+) -> Result<Edited, EditError> {
+    let Layers { layers, report } = make_layers(&field, scene, groom, motion, edits, options)?;
+    field.layers.extend(layers);
+    Ok(Edited { sequence: field, report })
+}
+
+/// The layers that [`apply`] would add, alone: for an editor that holds the field already.
+///
+/// # Errors
+/// As [`apply`].
+pub fn make_layers(
+    field: &FieldSequence,
+    scene: &Scene,
+    groom: &Groom,
+    motion: &StrandMotion,
+    edits: &EditList,
+    options: &EditOptions,
+) -> Result<Layers, EditError> {
+    field.check()?;
+    edits.check()?;
+    check_motion(motion, groom)?;
+    let mut taken: Vec<String> = field.layers.iter().map(|layer| layer.id.clone()).collect();
+    let mut made = Layers::default();
+    for (k, edit) in edits.edits.iter().enumerate() {
+        let Action::Drag(asked) = &edit.action;
+        let resolved = resolve(edits, k + 1, asked, groom, motion)?;
+        let id = free_id(&edit.name, &taken);
+        taken.push(id.clone());
+        let (layer, outcome) = drag_layer(field, scene, &resolved, edit, id, options)?;
+        made.layers.push(layer);
+        made.report.edits.push(outcome);
+    }
+    Ok(made)
+}
+
+fn drag_layer(
+    field: &FieldSequence,
+    scene: &Scene,
+    resolved: &Resolved<'_>,
+    edit: &Edit,
+    id: String,
+    options: &EditOptions,
+) -> Result<(FieldLayer, EditOutcome), EditError> {
+    let Resolved { dragged, first_secs, second_secs, ref unedited_m, .. } = *resolved;
+    let bad = of_edit(resolved.number, &edit.name);
+    if unedited_m.iter().any(|p| !p.iter().all(|c| c.is_finite())) {
+        return Err(EditError::BadMotion { strand: resolved.strand.name.clone(), secs: second_secs });
+    }
+    let target_m = match resolved.drag.target {
+        Target::At(at) => at,
+        Target::Offset(offset) => unedited_m[dragged] + offset,
+    };
+    let moved = drag(unedited_m, dragged, target_m);
+    let accelerations: Vec<Vec3> = unedited_m
+        .iter()
+        .zip(&moved.points_m)
+        .map(|(from, to)| extra_acceleration(*from, *to, second_secs - first_secs, edit.ease))
+        .collect();
+    let (extras, along_lock) = match field.quantity {
+        Quantity::ForcePerMass => (accelerations.clone(), 0.0),
+        Quantity::AirVelocity => extra_winds(field, scene, resolved, edit.ease, &accelerations),
+    };
+    let ways = ways(resolved, edit, &moved.points_m, &extras);
+    let handles = handles(&ways, dragged, resolved.drag.reach_m).map_err(&bad)?;
+    let outcome = EditOutcome {
+        name: edit.name.clone(),
+        layer_id: id.clone(),
+        muted: edit.muted,
+        strand: resolved.strand.name.clone(),
+        control_point: dragged,
+        first_secs,
+        second_secs,
+        unedited_m: unedited_m[dragged],
+        target_m,
+        asked_mm: (target_m - unedited_m[dragged]).norm() * 1e3,
+        unreachable: unreachable(scene, unedited_m, dragged, target_m, second_secs),
+        acceleration: accelerations[dragged],
+        along_lock,
+        extra: extras[dragged],
+        n_handles: handles.len(),
+    };
+    let layer = FieldLayer {
+        id,
+        name: edit.name.clone(),
+        muted: edit.muted,
+        first_secs,
+        last_secs: second_secs,
+        ease: edit.ease,
+        handles,
+        origin: LayerOrigin::Drag {
+            strand: resolved.strand.name.clone(),
+            control_point: dragged,
+            target_m,
+            method: options.method.name().to_owned(),
+        },
+    };
+    Ok((layer, outcome))
+}
+
+/// Where the control points go between the keys: their unedited way, and more and more of what is added to it.
+///
+/// A strand feels a layer only near its handles, so these lie along the way and not at its end alone.
+fn ways(resolved: &Resolved<'_>, edit: &Edit, moved_m: &[Vec3], extras: &[Vec3]) -> Vec<Way> {
+    let Resolved { path, first_secs, second_secs, unedited_m, .. } = resolved;
+    let longest_m = longest_way_m(resolved, moved_m);
+    let n = n_instants(longest_m, resolved.drag.reach_m);
+    let shares = progress(edit.ease, n);
+    let mut ways: Vec<Way> =
+        extras.iter().map(|extra| Way { places_m: Vec::with_capacity(n + 1), extra: *extra }).collect();
+    for (k, share) in shares.iter().enumerate() {
+        let time_secs = first_secs + (second_secs - first_secs) * k as f64 / n as f64;
+        for (j, place) in path.points_at(time_secs).into_iter().enumerate() {
+            ways[j].places_m.push(place + (moved_m[j] - unedited_m[j]) * *share);
+        }
+    }
+    ways
+}
+
+/// A bound of how far any control point goes between the keys: frame by frame unedited, and what is added.
+fn longest_way_m(resolved: &Resolved<'_>, moved_m: &[Vec3]) -> f64 {
+    let Resolved { path, first_secs, second_secs, unedited_m, .. } = resolved;
+    let frame_secs = path.frame_secs().max((second_secs - first_secs) / 1024.0);
+    let n = ((second_secs - first_secs) / frame_secs).ceil() as usize;
+    let mut lengths: Vec<f64> = unedited_m.iter().zip(moved_m).map(|(from, to)| (to - from).norm()).collect();
+    let mut before = path.points_at(*first_secs);
+    for k in 1..=n {
+        let after = path.points_at(first_secs + (second_secs - first_secs) * k as f64 / n as f64);
+        for (j, length) in lengths.iter_mut().enumerate() {
+            *length += (after[j] - before[j]).norm();
+        }
+        before = after;
+    }
+    lengths.into_iter().fold(0.0, f64::max)
+}
+
+/// Why a target cannot be reached at the second key, if it cannot.
+fn unreachable(
+    scene: &Scene,
+    points_m: &[Vec3],
+    dragged: usize,
+    target_m: Vec3,
+    secs: f64,
+) -> Option<Unreachable> {
+    let lengths: Vec<f64> = points_m.windows(2).take(dragged).map(|p| (p[1] - p[0]).norm()).collect();
+    let (nearest, farthest) = reach_m(&lengths);
+    let distance = (target_m - points_m[0]).norm();
+    // Positions of a motion are single-precision numbers.
+    let slack = 1e-6 * farthest;
+    if distance > farthest + slack {
+        return Some(Unreachable::TooFar { by_mm: (distance - farthest) * 1e3 });
+    }
+    if distance < nearest - slack {
+        return Some(Unreachable::TooNear { by_mm: (nearest - distance) * 1e3 });
+    }
+    let pose = scene.poses.motion_at(secs).world_from_head;
+    let head_from_torso = scene.body.head_from_torso(&pose, &scene.rest_pose);
+    let depth = |k: usize| -collider_gap(&scene.body, k, &head_from_torso, target_m).distance_m;
+    let depths = scene.body.colliders.iter().enumerate().map(|(k, collider)| (depth(k), collider));
+    let (deepest, collider) = depths.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let by_mm = deepest * 1e3;
+    (deepest > slack).then(|| Unreachable::InsideBody { collider: collider.name.clone(), by_mm })
+}
+
+/// An id made of a name, unlike those that are taken: `lift-the-fringe`, then `lift-the-fringe-2`.
+fn free_id(name: &str, taken: &[String]) -> String {
+    let words = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    let slug = words.map(str::to_lowercase).collect::<Vec<_>>().join("-");
+    let slug = if slug.is_empty() { "edit".to_owned() } else { slug };
+    let numbered = (2..).map(|n: u64| format!("{slug}-{n}"));
+    let mut ids = std::iter::once(slug.clone()).chain(numbered);
+    ids.find(|id| !taken.contains(id)).unwrap_or(slug)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tousle_core::{Attachment, Body, Collider, Pose, PoseTrack, Shape};
+
+    #[test]
+    fn ids_are_made_of_names_and_never_twice_the_same() {
+        let taken = ["lift-the-fringe".to_owned(), "lift-the-fringe-2".to_owned()];
+        assert_eq!(free_id("Lift the fringe!", &taken), "lift-the-fringe-3");
+        assert_eq!(free_id("…", &taken), "edit");
+    }
+
+    #[test]
+    fn what_is_out_of_reach_is_told_by_how_much() {
+        let scene = Scene {
+            poses: PoseTrack::still(Pose::identity()),
+            rest_pose: Pose::identity(),
+            gravity_world: Vec3::zeros(),
+            air_density: 1.2,
+            body: Body {
+                colliders: vec![Collider {
+                    name: "neck".into(),
+                    shape: Shape::Capsule { a_m: Vec3::y() * 0.1, b_m: Vec3::y() * 0.2, radius_m: 0.06 },
+                    attachment: Attachment::Head,
+                }],
+                ..Body::none()
+            },
+        };
+        let points = [Vec3::zeros(), Vec3::new(0.0, 0.0, -0.08), Vec3::new(0.0, 0.0, -0.11)];
+        for (target, expected) in [
+            (Vec3::new(0.15, 0.0, 0.0), Some("40.0 mm farther from the root than the lock is long")),
+            (Vec3::new(0.02, 0.0, 0.0), Some("30.0 mm nearer to the root than the lock can fold")),
+            (Vec3::new(0.0, 0.08, 0.0), Some("40.0 mm inside the neck")),
+            (Vec3::new(0.06, 0.0, 0.0), None),
+        ] {
+            let found = unreachable(&scene, &points, 2, target, 0.0).map(|why| why.to_string());
+            assert_eq!(found.as_deref(), expected);
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! What edits did to a motion.
+
+use crate::EditError;
+use crate::path::{StrandPath, check_motion, single};
+use serde::Serialize;
+use tousle_core::{Groom, StrandMotion, Vec3};
+use tousle_field::{FieldLayer, LayerOrigin};
+
+/// What some layers did to the motion of a groom.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EditEffects {
+    /// One entry a layer, in stack order.
+    pub edits: Vec<EditEffect>,
+    /// The first frame in which any point differs, s; `None` if the two motions are the same to the bit.
+    pub first_change_secs: Option<f64>,
+    /// The strand that moved most although it never came within the reach of any handle.
+    pub most_moved_outside: Option<Moved>,
+    /// The same among the strands that stayed [`FAR_M`] or more outside every reach.
+    pub most_moved_far: Option<Moved>,
+}
+
+/// What one layer did to the strand it was made on.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EditEffect {
+    /// The layer's id.
+    pub layer_id: String,
+    /// Its name.
+    pub name: String,
+    /// Distance of the dragged point from its target at the second key, mm, without and with the edits; `None`
+    /// if this groom has no such strand.
+    pub residual_mm: Option<Change>,
+    /// The largest acceleration of any of the strand's points in head space, m/s².
+    pub peak_acceleration: Option<Change>,
+    /// The largest jerk, m/s³.
+    pub peak_jerk: Option<Change>,
+}
+
+/// A figure before the edits and after.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Change {
+    /// In the motion without the edits.
+    pub before: f64,
+    /// In the motion with them.
+    pub after: f64,
+}
+
+/// How far a strand was moved.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Moved {
+    /// The strand's name.
+    pub strand: String,
+    /// The largest distance between the two motions of any of its points, mm.
+    pub mm: f64,
+    /// When, s.
+    pub secs: f64,
+}
+
+/// How far a dragged point is from its target at the second key.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Residual {
+    /// The layer's id.
+    pub layer_id: String,
+    /// The distance, mm; `None` if this groom has no such strand.
+    pub mm: Option<f64>,
+}
+
+/// Well outside a reach, m: from here on nothing worth seeing should move.
+pub const FAR_M: f64 = 0.1;
+
+/// Compares two motions of one groom, without and with the edits that `layers` hold.
+///
+/// # Errors
+/// [`EditError::OtherGroom`] if the motions are not both of this groom and of the same frames.
+pub fn measure(
+    before: &StrandMotion,
+    after: &StrandMotion,
+    groom: &Groom,
+    layers: &[FieldLayer],
+) -> Result<EditEffects, EditError> {
+    check_motion(before, groom)?;
+    check_motion(after, groom)?;
+    if before.times_secs != after.times_secs {
+        let (found, frames, expected) = (after.n_points(), after.times_secs.len(), groom.n_points());
+        return Err(EditError::OtherGroom { found, frames, expected });
+    }
+    let clearances: Vec<f64> = (0..groom.strands.len())
+        .map(|s| f64::min(clearance_m(before, s, layers), clearance_m(after, s, layers)))
+        .collect();
+    let most_moved = |clear_m: f64| {
+        let clear = (0..groom.strands.len()).filter(|s| clearances[*s] >= clear_m);
+        clear.map(|s| moved(before, after, groom, s)).max_by(|a, b| a.mm.total_cmp(&b.mm))
+    };
+    Ok(EditEffects {
+        edits: layers.iter().map(|layer| effect(before, after, groom, layer)).collect(),
+        first_change_secs: first_change_secs(before, after),
+        most_moved_outside: most_moved(0.0),
+        most_moved_far: most_moved(FAR_M),
+    })
+}
+
+/// How far from their targets a motion has the points that the layers drag.
+///
+/// # Errors
+/// [`EditError::OtherGroom`] if the motion is not of this groom.
+pub fn residuals(
+    motion: &StrandMotion,
+    groom: &Groom,
+    layers: &[FieldLayer],
+) -> Result<Vec<Residual>, EditError> {
+    check_motion(motion, groom)?;
+    let residual = |layer: &FieldLayer| Residual {
+        layer_id: layer.id.clone(),
+        mm: strand_of(groom, layer).map(|strand| residual_mm(motion, layer, strand)),
+    };
+    Ok(layers.iter().map(residual).collect())
+}
+
+fn effect(before: &StrandMotion, after: &StrandMotion, groom: &Groom, layer: &FieldLayer) -> EditEffect {
+    let strand = strand_of(groom, layer);
+    let of_both = |figure: &dyn Fn(&StrandMotion, usize) -> Option<f64>| {
+        Some(Change { before: figure(before, strand?)?, after: figure(after, strand?)? })
+    };
+    EditEffect {
+        layer_id: layer.id.clone(),
+        name: layer.name.clone(),
+        residual_mm: of_both(&|motion, strand| Some(residual_mm(motion, layer, strand))),
+        peak_acceleration: of_both(&|motion, strand| peak(motion, strand, [1.0, -2.0, 1.0, 0.0], 2)),
+        peak_jerk: of_both(&|motion, strand| peak(motion, strand, [-1.0, 3.0, -3.0, 1.0], 3)),
+    }
+}
+
+fn strand_of(groom: &Groom, layer: &FieldLayer) -> Option<usize> {
+    let LayerOrigin::Drag { strand: name, control_point, .. } = &layer.origin;
+    let found = groom.strands.iter().position(|strand| strand.name == *name)?;
+    (*control_point < groom.strands[found].rest_curve_m.len()).then_some(found)
+}
+
+fn residual_mm(motion: &StrandMotion, layer: &FieldLayer, strand: usize) -> f64 {
+    let LayerOrigin::Drag { control_point, target_m, .. } = &layer.origin;
+    let points = StrandPath::new(motion, strand).points_at(layer.last_secs);
+    (points[*control_point] - target_m).norm() * 1e3
+}
+
+/// The largest derivative of an order over all frames and points of a strand, by finite differences of
+/// neighboring frames; `None` of too few frames.
+fn peak(motion: &StrandMotion, strand: usize, weights: [f64; 4], order: i32) -> Option<f64> {
+    let frame_secs = StrandPath::new(motion, strand).frame_secs();
+    let reach = order as usize;
+    let n = motion.times_secs.len().checked_sub(reach).filter(|n| *n > 0)?;
+    let mut largest = 0.0;
+    for k in 0..n {
+        for point in 0..motion.counts[strand] {
+            let at = |ahead: usize| single(&motion.strand(k + ahead, strand)[point]);
+            let sum: Vec3 = (0..=reach).map(|ahead| at(ahead) * weights[ahead]).sum();
+            largest = f64::max(largest, sum.norm());
+        }
+    }
+    Some(largest / libm::pow(frame_secs, f64::from(order)))
+}
+
+fn first_change_secs(before: &StrandMotion, after: &StrandMotion) -> Option<f64> {
+    let bits = |frame: &[[f32; 3]]| frame.iter().flatten().map(|c| c.to_bits()).collect::<Vec<_>>();
+    let changed = (0..before.times_secs.len()).find(|k| bits(before.frame(*k)) != bits(after.frame(*k)))?;
+    Some(before.times_secs[changed])
+}
+
+/// How far outside every handle's reach a strand stays while the layers are there, m; negative within one.
+/// Above [`FAR_M`] it is at least that.
+fn clearance_m(motion: &StrandMotion, strand: usize, layers: &[FieldLayer]) -> f64 {
+    let mut least = f64::INFINITY;
+    for layer in layers {
+        let Some((low, high)) = bounds(layer) else { continue };
+        for (k, _) in motion.times_secs.iter().enumerate().filter(|(_, t)| layer.presence(**t) > 0.0) {
+            for point in motion.strand(k, strand).iter().map(single) {
+                let outside_box = (point - point.sup(&low).inf(&high)).norm();
+                if outside_box > FAR_M {
+                    least = least.min(outside_box);
+                    continue;
+                }
+                let gaps = layer.handles.iter().map(|h| (point - h.center_m).norm() - h.reach_m);
+                least = gaps.fold(least, f64::min);
+            }
+        }
+    }
+    least
+}
+
+/// The box that holds every handle's reach; `None` of a layer without handles.
+fn bounds(layer: &FieldLayer) -> Option<(Vec3, Vec3)> {
+    let boxes = layer.handles.iter().map(|h| {
+        let reach = Vec3::repeat(h.reach_m);
+        (h.center_m - reach, h.center_m + reach)
+    });
+    boxes.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
+}
+
+fn moved(before: &StrandMotion, after: &StrandMotion, groom: &Groom, strand: usize) -> Moved {
+    let mut most = Moved { strand: groom.strands[strand].name.clone(), mm: 0.0, secs: before.times_secs[0] };
+    for (k, secs) in before.times_secs.iter().enumerate() {
+        for (a, b) in before.strand(k, strand).iter().zip(after.strand(k, strand)) {
+            let mm = (single(b) - single(a)).norm() * 1e3;
+            if mm > most.mm {
+                (most.mm, most.secs) = (mm, *secs);
+            }
+        }
+    }
+    most
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tousle_core::Strand;
+    use tousle_field::{Ease, Handle};
+
+    fn groom() -> Groom {
+        let strand = |name: &str, x: f64| Strand {
+            name: name.into(),
+            rest_curve_m: vec![Vec3::new(x, 0.0, 0.0), Vec3::new(x, 0.0, -0.1)],
+            length_m: 0.1,
+            linear_density_kg_per_m: 0.001,
+            lock_width_m: 0.004,
+            bending_stiffness_n_m2: 1e-6,
+            internal_damping_secs: 0.01,
+        };
+        Groom { strands: vec![strand("A", 0.0), strand("B", 0.1), strand("C", 0.5)], assumed: Vec::new() }
+    }
+
+    /// At 10 Hz for 2 s; the tips of `A` and `C` move by what `way` gives for the frame, m along y.
+    fn motion(way: impl Fn(usize) -> f32) -> StrandMotion {
+        let mut positions_m = Vec::new();
+        for k in 0..21 {
+            for (s, strand) in groom().strands.iter().enumerate() {
+                let y = if s == 1 { 0.0 } else { way(k) / (1 + 9 * s / 2) as f32 };
+                let x = strand.rest_curve_m[0].x as f32;
+                positions_m.extend([[x, 0.0, 0.0], [x, y, -0.1]]);
+            }
+        }
+        let times_secs = (0..21).map(|k| f64::from(k) / 10.0).collect();
+        StrandMotion { counts: vec![2; 3], times_secs, positions_m }
+    }
+
+    fn layer() -> FieldLayer {
+        FieldLayer {
+            id: "lift".into(),
+            name: "lift".into(),
+            muted: false,
+            first_secs: 1.0,
+            last_secs: 2.0,
+            ease: Ease { rise: 0.5, fall: 0.5 },
+            handles: vec![Handle { center_m: Vec3::new(0.0, 0.0, -0.1), reach_m: 0.06, extra: Vec3::y() }],
+            origin: LayerOrigin::Drag {
+                strand: "A".into(),
+                control_point: 1,
+                target_m: Vec3::new(0.0, 0.03, -0.1),
+                method: "paper".into(),
+            },
+        }
+    }
+
+    /// From 1.1 s on the tip is 1, 4, 9, … mm higher: an acceleration of 0.2 m/s², a jerk of 1 m/s³ at the start.
+    #[test]
+    fn residual_acceleration_and_jerk_by_hand() {
+        let way = |k: usize| if k > 10 { ((k - 10) * (k - 10)) as f32 * 1e-3 } else { 0.0 };
+        let effects = measure(&motion(|_| 0.0), &motion(way), &groom(), &[layer()]).unwrap();
+        let effect = &effects.edits[0];
+        let residual = effect.residual_mm.unwrap();
+        assert!(
+            (residual.before - 30.0).abs() < 1e-4 && (residual.after - 70.0).abs() < 1e-4,
+            "{residual:?}"
+        );
+        assert!((effect.peak_acceleration.unwrap().after - 0.2).abs() < 1e-4);
+        assert!((effect.peak_jerk.unwrap().after - 1.0).abs() < 1e-3);
+        assert_eq!(effect.peak_jerk.unwrap().before, 0.0);
+        assert_eq!(effects.first_change_secs, Some(1.1));
+    }
+
+    #[test]
+    fn who_moved_outside_the_reach_is_named() {
+        let way = |k: usize| if k > 10 { 0.01 } else { 0.0 };
+        let effects = measure(&motion(|_| 0.0), &motion(way), &groom(), &[layer()]).unwrap();
+        // A is within the reach, B stays, C is 0.44 m away and moved by 1 mm all the same.
+        let far = effects.most_moved_far.unwrap();
+        assert_eq!((far.strand.as_str(), far.secs), ("C", 1.1));
+        assert!((far.mm - 1.0).abs() < 1e-4);
+        assert_eq!(effects.most_moved_outside.unwrap().strand, "C");
+    }
+
+    #[test]
+    fn nothing_done_is_no_change() {
+        let effects = measure(&motion(|_| 0.0), &motion(|_| 0.0), &groom(), &[layer()]).unwrap();
+        assert_eq!(effects.first_change_secs, None);
+        assert_eq!(
+            residuals(&motion(|_| 0.0), &groom(), &[layer()]).unwrap()[0].mm.map(f64::round),
+            Some(30.0)
+        );
+        let mut elsewhere = layer();
+        elsewhere.origin = LayerOrigin::Drag {
+            strand: "Z".into(),
+            control_point: 1,
+            target_m: Vec3::zeros(),
+            method: "paper".into(),
+        };
+        assert_eq!(residuals(&motion(|_| 0.0), &groom(), &[elsewhere]).unwrap()[0].mm, None);
+    }
+}
