@@ -1,26 +1,15 @@
 //! The head's pose against the truth of captures that a stranger does not have (`TOUSLE_SHARED`).
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use tousle_bench::Truth;
 use tousle_head::{HeadOptions, locate_head};
 use tousle_ingest::{IngestOptions, read_capture, read_session};
-
-fn captures() -> Vec<PathBuf> {
-    let Some(shared) = std::env::var_os("TOUSLE_SHARED") else {
-        println!("skipped: TOUSLE_SHARED is not set");
-        return Vec::new();
-    };
-    let folder = Path::new(&shared).join("captures");
-    let mut captures: Vec<PathBuf> =
-        fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).filter(|p| p.is_dir()).collect();
-    captures.sort();
-    captures
-}
+use tousle_tests::{name, shared_captures};
 
 /// Root mean square errors of the head's center (mm) and turn (mrad), per frame and of the smooth track.
 fn errors(folder: &Path) -> [f64; 4] {
-    let name = folder.file_name().unwrap().to_str().unwrap();
+    let name = name(folder);
     let session = read_session(&fs::read(folder.join("session.json")).unwrap()).unwrap();
     let bytes = fs::read(folder.join(format!("{name}.csv"))).unwrap();
     let capture = read_capture(&bytes, &IngestOptions::from_session(&session)).unwrap().capture;
@@ -49,7 +38,7 @@ fn errors(folder: &Path) -> [f64; 4] {
 /// The session's marker places carry a hand's error of 1 to 2 mm, so no pose can be nearer than about that.
 #[test]
 fn poses_are_as_near_as_the_session_allows() {
-    for folder in captures() {
+    for folder in shared_captures() {
         let [frame_mm, frame_mrad, smooth_mm, smooth_mrad] = errors(&folder);
         println!(
             "  per frame {frame_mm:.2} mm {frame_mrad:.2} mrad; smooth {smooth_mm:.2} mm {smooth_mrad:.2} mrad"
