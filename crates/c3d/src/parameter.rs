@@ -122,8 +122,10 @@ impl Parameter {
 
 /// Latin-1 to UTF-8, without blanks and NULs around it.
 pub(crate) fn trimmed_text(bytes: &[u8]) -> String {
-    let text: String = bytes.iter().map(|&b| char::from(b)).collect();
-    text.trim_matches([' ', '\0']).to_owned()
+    let is_blank = |b: &u8| matches!(b, b' ' | 0);
+    let start = bytes.iter().position(|b| !is_blank(b)).unwrap_or(bytes.len());
+    let end = bytes.iter().rposition(|b| !is_blank(b)).map_or(start, |last| last + 1);
+    bytes[start..end].iter().map(|&b| char::from(b)).collect()
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use std::ops::Range;
 
 /// Reads a C3D file: header and parameters at once, points when asked for.
 ///
-/// Holds the parameter section and, while reading points, a piece of 256 KiB or one frame; neither grows with the
+/// Holds the parameter section and, while reading points, a piece of 64 KiB or one frame; neither grows with the
 /// length of the trial.
 #[derive(Debug)]
 pub struct Reader<R> {
@@ -87,12 +87,10 @@ impl<R: Read + Seek> Reader<R> {
         &mut self,
         point_idxs: &[usize],
         frames: Range<usize>,
-        mut visit: impl FnMut(usize, &[Option<Point>]),
+        visit: impl FnMut(usize, &[Option<Point>]),
     ) -> Result<(), ReadError> {
-        self.check(point_idxs, &frames)?;
-        let start = self.layout.data_start + frames.start as u64 * self.layout.frame_bytes();
-        self.inner.seek(SeekFrom::Start(start))?;
-        points::read_frames(&mut self.inner, &self.layout, point_idxs, frames, &mut visit)
+        self.seek(point_idxs, &frames)?;
+        points::read_frames(&mut self.inner, &self.layout, point_idxs, frames, visit)
     }
 
     /// Decodes some points of some frames, point by point: `[point][frame]`, `None` where missing.
@@ -104,17 +102,12 @@ impl<R: Read + Seek> Reader<R> {
         point_idxs: &[usize],
         frames: Range<usize>,
     ) -> Result<Vec<Vec<Option<Point>>>, ReadError> {
-        self.check(point_idxs, &frames)?;
-        let mut trajectories = vec![Vec::with_capacity(frames.len()); point_idxs.len()];
-        self.read_frames(point_idxs, frames, |_, points| {
-            for (trajectory, point) in trajectories.iter_mut().zip(points) {
-                trajectory.push(*point);
-            }
-        })?;
-        Ok(trajectories)
+        self.seek(point_idxs, &frames)?;
+        points::read_trajectories(&mut self.inner, &self.layout, point_idxs, frames.len())
     }
 
-    fn check(&self, point_idxs: &[usize], frames: &Range<usize>) -> Result<(), ReadError> {
+    /// Goes to the first of the frames, if they and the points are there.
+    fn seek(&mut self, point_idxs: &[usize], frames: &Range<usize>) -> Result<(), ReadError> {
         let (n_points, n_frames) = (self.info.n_points, self.info.n_frames);
         if let Some(&asked) = point_idxs.iter().find(|&&i| i >= n_points) {
             return Err(ReadError::NoSuchPoint { asked, n_points });
@@ -122,6 +115,8 @@ impl<R: Read + Seek> Reader<R> {
         if frames.start > frames.end || frames.end > n_frames {
             return Err(ReadError::NoSuchFrames { start: frames.start, end: frames.end, n_frames });
         }
+        let start = self.layout.data_start + frames.start as u64 * self.layout.frame_bytes();
+        self.inner.seek(SeekFrom::Start(start))?;
         Ok(())
     }
 }

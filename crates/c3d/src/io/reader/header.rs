@@ -5,7 +5,9 @@ use std::io::{Read, Seek, SeekFrom};
 /// The second byte of every C3D file.
 const KEY: u8 = 0x50;
 /// Zeros before the header that are skipped at most.
-const MAX_LEADING_ZEROS: usize = 4096;
+const MAX_LEADING_ZEROS: u64 = 4096;
+/// The header, and the first four bytes of the parameter section behind it.
+const MIN_BYTES: u64 = BLOCK + 4;
 
 /// What the first blocks tell.
 #[derive(Debug)]
@@ -35,23 +37,20 @@ pub(super) fn read_start<R: Read + Seek>(
     warnings: &mut Vec<Warning>,
 ) -> Result<Start, ReadError> {
     let file_bytes = inner.seek(SeekFrom::End(0))?;
-    let base = skip_zeros(inner, file_bytes, warnings)?;
-    let mut block = [0; BLOCK as usize];
-    if file_bytes < base + BLOCK + 4 {
-        return Err(ReadError::TooShort { found: file_bytes, expected: base + BLOCK + 4 });
-    }
-    inner.seek(SeekFrom::Start(base))?;
-    inner.read_exact(&mut block)?;
+    let (base, head) = read_head(inner, file_bytes, warnings)?;
+    let (Some((block, _)), true) = (head.split_first_chunk(), head.len() as u64 == MIN_BYTES) else {
+        return Err(ReadError::TooShort { found: file_bytes, expected: base + MIN_BYTES });
+    };
     if block[1] != KEY {
         return Err(ReadError::NotC3d { offset: base + 1, found: block[1] });
     }
-    let (section_start, prefix) = find_section(inner, base, block[0], warnings)?;
+    let (section_start, prefix) = find_section(inner, base, &head, warnings)?;
     let number = prefix[3];
     let processor = match Processor::from_number(number) {
         Some(processor) => processor,
-        None => assume_processor(&block, section_start + 3, number, warnings)?,
+        None => assume_processor(block, section_start + 3, number, warnings)?,
     };
-    let header = parse_header(&block, processor);
+    let header = parse_header(block, processor);
     Ok(Start { header, processor, base, section_start, section_blocks: prefix[2], file_bytes })
 }
 
@@ -63,58 +62,73 @@ pub(super) fn read_parameter_section<R: Read + Seek>(
 ) -> Result<Vec<u8>, ReadError> {
     let by_count = start.section_start + u64::from(start.section_blocks) * BLOCK;
     let by_data = start.block_start(u64::from(start.header.data_block)).unwrap_or(0);
-    let end = by_count.max(by_data).min(start.file_bytes);
     let begin = start.section_start + 4;
-    inner.seek(SeekFrom::Start(begin))?;
-    let mut section = Vec::new();
-    inner.take(end.saturating_sub(begin)).read_to_end(&mut section)?;
-    Ok(section)
+    let n_bytes = by_count.max(by_data).min(start.file_bytes).saturating_sub(begin);
+    Ok(read_at(inner, begin, n_bytes, start.file_bytes)?)
 }
 
-fn skip_zeros<R: Read + Seek>(
+/// The header and the first four bytes of the parameter section where it usually is, and the bytes before them.
+fn read_head<R: Read + Seek>(
     inner: &mut R,
     file_bytes: u64,
     warnings: &mut Vec<Warning>,
-) -> Result<u64, ReadError> {
-    inner.seek(SeekFrom::Start(0))?;
-    let mut bytes = Vec::new();
-    inner.take(MAX_LEADING_ZEROS as u64).read_to_end(&mut bytes)?;
-    let n_zeros = bytes.iter().take_while(|&&b| b == 0).count();
-    // Fewer bytes than a header behind the zeros: leave it to the checks that follow to say what is wrong.
-    if n_zeros == 0 || n_zeros == bytes.len() || file_bytes < n_zeros as u64 + BLOCK {
-        return Ok(0);
+) -> Result<(u64, Vec<u8>), ReadError> {
+    let mut head = read_at(inner, 0, MIN_BYTES, file_bytes)?;
+    if head.first() != Some(&0) {
+        return Ok((0, head));
     }
-    warnings.push(Warning::LeadingZeros { n_bytes: n_zeros as u64 });
-    Ok(n_zeros as u64)
+    let zeros = read_at(inner, 0, MAX_LEADING_ZEROS, file_bytes)?;
+    // Nothing but zeros is left to the checks that follow, which say what is wrong.
+    let Some(n_zeros) = zeros.iter().position(|&b| b != 0) else { return Ok((0, head)) };
+    let base = n_zeros as u64;
+    head = read_at(inner, base, MIN_BYTES, file_bytes)?;
+    if head.get(1) == Some(&KEY) {
+        warnings.push(Warning::LeadingZeros { n_bytes: base });
+    }
+    Ok((base, head))
+}
+
+/// As many bytes as are there; counts in a file are no reason to make room.
+fn read_at<R: Read + Seek>(
+    inner: &mut R,
+    start: u64,
+    n_bytes: u64,
+    file_bytes: u64,
+) -> std::io::Result<Vec<u8>> {
+    let n_bytes = n_bytes.min(file_bytes.saturating_sub(start));
+    let mut bytes = Vec::with_capacity(n_bytes as usize);
+    inner.seek(SeekFrom::Start(start))?;
+    inner.take(n_bytes).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// The parameter section's place and first four bytes: where the header says, or else in the usual block 2.
 fn find_section<R: Read + Seek>(
     inner: &mut R,
     base: u64,
-    block: u8,
+    head: &[u8],
     warnings: &mut Vec<Warning>,
 ) -> Result<(u64, [u8; 4]), ReadError> {
-    let mut prefix_at = |block: u8| {
-        let start = base + u64::from(block.max(1) - 1) * BLOCK;
-        let mut prefix = [0; 4];
-        inner.seek(SeekFrom::Start(start))?;
-        match inner.read_exact(&mut prefix) {
-            Ok(()) => Ok((start, prefix)),
-            Err(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => Ok((start, [0; 4])),
-            Err(e) => Err(e),
-        }
-    };
-    let stated = prefix_at(block)?;
-    if block > 1 && Processor::from_number(stated.1[3]).is_some() {
-        return Ok(stated);
-    }
-    let usual = prefix_at(2)?;
-    if block != 2 && Processor::from_number(usual.1[3]).is_some() {
-        warnings.push(Warning::ParameterBlock { found: block, used: 2 });
+    let usual = (base + BLOCK, *head.last_chunk().unwrap_or(&[0; 4]));
+    let stated_block = head[0];
+    if stated_block == 2 {
         return Ok(usual);
     }
-    Ok(if block > 1 { stated } else { usual })
+    let start = base + u64::from(stated_block.max(1) - 1) * BLOCK;
+    let mut prefix = [0; 4];
+    inner.seek(SeekFrom::Start(start))?;
+    match inner.read_exact(&mut prefix) {
+        Err(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => return Err(e.into()),
+        // What is not there is no parameter section.
+        Ok(()) | Err(_) => {}
+    }
+    if stated_block > 1 && Processor::from_number(prefix[3]).is_some() {
+        return Ok((start, prefix));
+    }
+    if Processor::from_number(usual.1[3]).is_some() {
+        warnings.push(Warning::ParameterBlock { found: stated_block, used: 2 });
+    }
+    Ok(usual)
 }
 
 /// The one processor for which the header makes sense.
