@@ -23,6 +23,8 @@ pub struct Lock {
     pub joint_stiffness: Vec<f64>,
     /// Internal damping over stiffness, s.
     pub damping_secs: f64,
+    /// Mass per length of hair, kg/m.
+    pub linear_density_kg_per_m: f64,
     /// Width across the wind, m.
     pub width_m: f64,
 }
@@ -68,6 +70,7 @@ impl Lock {
             masses_kg,
             joint_stiffness,
             damping_secs: strand.internal_damping_secs,
+            linear_density_kg_per_m: strand.linear_density_kg_per_m,
             width_m: strand.lock_width_m,
         }
     }

@@ -4,15 +4,20 @@
 
 mod error;
 mod integrator;
+mod joint;
 mod options;
+mod paper;
+mod plan;
 mod report;
+mod run;
+mod timeline;
 
 pub use error::SimError;
 pub use integrator::Integrator;
 pub use options::{Method, PaperOptions, SimOptions, TimeMode};
 pub use report::{PlanEntry, SimReport, Simulation};
 
-use tousle_core::{Groom, Progress, StrandMotion};
+use tousle_core::{Groom, Progress};
 use tousle_field::{FieldSequence, Scene};
 
 /// Simulates a groom in a wind field.
@@ -34,20 +39,5 @@ pub fn simulate(
 ) -> Result<Simulation, SimError> {
     field.check()?;
     groom.check()?;
-    let _ = (scene, options, progress);
-    // The rest curves, once: the real thing follows within the day.
-    let positions_m =
-        groom.strands.iter().flat_map(|s| &s.rest_curve_m).map(|p| p.map(|c| c as f32).into()).collect();
-    let motion = StrandMotion { counts: groom.counts(), times_secs: vec![0.0], positions_m };
-    let report = SimReport {
-        integrator: options.integrator,
-        order: options.integrator.order(),
-        limit: options.integrator.limit().to_owned(),
-        dt_secs: 0.0,
-        n_steps: 0,
-        plan: Vec::new(),
-        max_stretch: 0.0,
-        assumed: groom.assumed.clone(),
-    };
-    Ok(Simulation { motion, report })
+    run::run(field, scene, groom, options, progress)
 }
