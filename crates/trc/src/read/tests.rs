@@ -100,7 +100,7 @@ fn a_line_that_was_cut_off_gives_no_cut_numbers() {
 
 #[test]
 fn decimal_commas_between_commas_are_refused() {
-    let text = TRC.replace('.', ",").replace('\t', ",");
+    let text = TRC.replace(['.', '\t'], ",");
     assert_eq!(error(&text), "line 3: found 11 cells, expected 8 cells, with decimal points");
 }
 
