@@ -2,7 +2,7 @@
 //!
 //! An [`Eff`] is wind over time around a head with all that a simulator needs besides. [`write()`] puts it into
 //! an MCAP file, [`read()`] gets it back, [`validate()`] says everything that is wrong with a file, [`inspect()`]
-//! what is in it. [`Writer`] writes fields of any length, a step at a time. `docs/eff.md` specifies the format,
+//! what is in it. [`Writer`] writes and [`Reader`] reads fields of any length, a step at a time. `docs/eff.md` specifies the format,
 //! so that others can read and write it without this crate.
 //!
 //! *Invariant:* streams in, streams out; paths, clocks and threads stop outside, and the same field gives the
@@ -45,6 +45,7 @@ mod finding;
 mod format;
 mod inspect;
 mod read;
+mod reader;
 mod record;
 mod scan;
 #[cfg(test)]
@@ -69,6 +70,7 @@ pub use format::{MAX_RATE_HZ, MAX_SECS, PROFILE, VERSION};
 pub use inspect::{ChannelSize, Coverage, Inspection, inspect};
 pub use manifest::Manifest;
 pub use read::{ReadOptions, read};
+pub use reader::{Part, Reader};
 pub use tousle_core as core;
 pub use tousle_field as field;
 pub use validate::{Validation, validate};

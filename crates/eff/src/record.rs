@@ -16,6 +16,9 @@ pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 /// Opcode and length before every record's content.
 pub(crate) const PREFIX: u64 = 9;
 
+/// The length of the footer with its prefix.
+pub(crate) const FOOTER: u64 = PREFIX + 20;
+
 /// Opcodes.
 pub(crate) mod op {
     pub(crate) const HEADER: u8 = 0x01;

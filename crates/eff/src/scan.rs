@@ -3,12 +3,13 @@
 //! [`validate`](crate::validate), [`read`](crate::read) and [`inspect`](crate::inspect) are this scan with
 //! different listeners, so what one accepts none of the others refuses.
 
-mod chunk;
+pub(crate) mod chunk;
 mod content;
-mod data;
+pub(crate) mod data;
+pub(crate) mod facts;
 mod findings;
-mod source;
-mod summary;
+pub(crate) mod source;
+pub(crate) mod summary;
 
 use crate::finding::Place;
 use crate::manifest::Manifest;
@@ -60,7 +61,7 @@ pub(crate) fn scan<R: Read>(
 }
 
 /// Whether the file begins as it should.
-fn magic<R: Read>(source: &mut Source<R>, findings: &mut Findings) -> Result<bool, EffError> {
+pub(crate) fn magic<R: Read>(source: &mut Source<R>, findings: &mut Findings) -> Result<bool, EffError> {
     let mut first = [0; 8];
     let n = source.fill(&mut first)?;
     if first == MAGIC {
@@ -152,12 +153,12 @@ fn end<R: Read>(source: &mut Source<R>, findings: &mut Findings) -> Result<(), E
 }
 
 /// A place in the file and in no channel.
-fn at(offset: u64) -> Place<'static> {
+pub(crate) fn at(offset: u64) -> Place<'static> {
     Place { offset: Some(offset), ..Place::default() }
 }
 
 /// A checksum of 0 means "not computed" to MCAP; a field file always has them.
-fn check_crc(code: Code, found: u32, computed: u32, place: Place<'_>, findings: &mut Findings) {
+pub(crate) fn check_crc(code: Code, found: u32, computed: u32, place: Place<'_>, findings: &mut Findings) {
     if found != computed {
         let found = if found == 0 { "none".to_owned() } else { format!("{found:08x}") };
         findings.push(place.finding(code, "crc", found, format!("{computed:08x}")));
@@ -165,7 +166,7 @@ fn check_crc(code: Code, found: u32, computed: u32, place: Place<'_>, findings: 
 }
 
 /// A record that its content does not fit.
-fn broken(place: Place<'_>, opcode: u8, body: &[u8], short: Short) -> Box<Finding> {
+pub(crate) fn broken(place: Place<'_>, opcode: u8, body: &[u8], short: Short) -> Box<Finding> {
     let what = format!("{}.{}", record::name(opcode), short.field);
     place.finding(Code::Record, what, format!("a record of {} bytes", body.len()), short.expected)
 }

@@ -16,26 +16,28 @@ pub(super) fn scan(
     place: Place<'_>,
     findings: &mut Findings,
 ) -> Result<Indexes, EffError> {
-    let records = match unpack(chunk, place) {
-        Ok(records) => records,
+    let n_before = findings.n_errors();
+    let unpacked = match unpack(chunk, place) {
+        Ok(unpacked) => {
+            check_crc(Code::ChunkCrc, chunk.uncompressed_crc, crc32fast::hash(&unpacked), place, findings);
+            unpacked
+        }
         Err(finding) => {
             findings.push(finding);
-            return Ok(Indexes::new());
+            Vec::new()
         }
     };
-    let n_before = findings.n_errors();
-    check_crc(Code::ChunkCrc, chunk.uncompressed_crc, crc32fast::hash(&records), place, findings);
     if findings.n_errors() > n_before {
         // What is in it is noise; findings about it would hide the one that matters.
         return Ok(Indexes::new());
     }
     let mut indexes = Indexes::new();
-    let mut left = &records[..];
-    while !left.is_empty() && !findings.is_enough() {
-        let offset = (records.len() - left.len()) as u64;
-        let Some((opcode, body)) = take_record(&mut left) else {
-            let found = format!("{} bytes", left.len());
-            findings.push(place.finding(Code::Record, "record in chunk", found, "a whole record"));
+    for record in records_in(&unpacked) {
+        if findings.is_enough() {
+            break;
+        }
+        let Ok(InChunk { offset, opcode, body }) = record else {
+            findings.push(place.finding(Code::Record, "record in chunk", "a part", "a whole record"));
             break;
         };
         match record::parse(opcode, body) {
@@ -59,6 +61,30 @@ pub(super) fn scan(
     }
     check_times(chunk, &indexes, place, findings);
     Ok(indexes)
+}
+
+/// A record in an unpacked chunk.
+pub(crate) struct InChunk<'a> {
+    /// Where it begins in the unpacked chunk.
+    pub offset: u64,
+    pub opcode: u8,
+    pub body: &'a [u8],
+}
+
+/// The records in an unpacked chunk; an error if the last is not whole.
+pub(crate) fn records_in(unpacked: &[u8]) -> impl Iterator<Item = Result<InChunk<'_>, ()>> {
+    let mut left = unpacked;
+    std::iter::from_fn(move || {
+        if left.is_empty() {
+            return None;
+        }
+        let offset = (unpacked.len() - left.len()) as u64;
+        let record = take_record(&mut left).map(|(opcode, body)| InChunk { offset, opcode, body });
+        if record.is_none() {
+            left = &[];
+        }
+        Some(record.ok_or(()))
+    })
 }
 
 /// Takes a record off the bytes.

@@ -1,3 +1,4 @@
+use super::facts::{AttachmentFacts, ChunkFacts};
 use super::{Listener, at, check_crc, chunk, content::Content};
 use crate::finding::Place;
 use crate::format::{PROFILE, STREAMS, Stream, topic};
@@ -7,7 +8,7 @@ use crate::{Code, EffError};
 use std::collections::BTreeMap;
 
 /// The data section: what its records say, and what the summary will have to say about them.
-pub(super) struct Data<'v> {
+pub(crate) struct Data<'v> {
     content: Content<'v>,
     is_empty: bool,
     /// The records as they are in the file, by id.
@@ -21,32 +22,6 @@ pub(super) struct Data<'v> {
     pub chunks: Vec<ChunkFacts>,
     pub attachments: Vec<AttachmentFacts>,
     pub statistics: Statistics,
-}
-
-/// What a chunk index must say.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct ChunkFacts {
-    pub start_time: u64,
-    pub end_time: u64,
-    pub offset: u64,
-    pub length: u64,
-    pub message_index_offsets: BTreeMap<u16, u64>,
-    pub message_index_length: u64,
-    pub compression: String,
-    pub compressed_size: u64,
-    pub uncompressed_size: u64,
-}
-
-/// What an attachment index must say.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct AttachmentFacts {
-    pub offset: u64,
-    pub length: u64,
-    pub log_time: u64,
-    pub create_time: u64,
-    pub data_size: u64,
-    pub name: String,
-    pub media_type: String,
 }
 
 impl<'v> Data<'v> {
@@ -63,6 +38,12 @@ impl<'v> Data<'v> {
             attachments: Vec::new(),
             statistics: Statistics::default(),
         }
+    }
+
+    /// The channel of a topic.
+    pub fn channel_of(&self, topic: &str) -> Option<u16> {
+        let mut channels = self.known_channels.iter();
+        channels.find(|(_, stream)| stream.is_some_and(|s| s.topic == topic)).map(|(id, _)| *id)
     }
 
     /// Takes one record in. `body` is its content as it is in the file.
@@ -327,6 +308,6 @@ fn is_redefined(records: &mut BTreeMap<u16, Vec<u8>>, id: u16, body: &[u8]) -> b
 }
 
 /// A text as a message shows it.
-pub(super) fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     format!("{text:?}")
 }

@@ -2,7 +2,7 @@ use crate::record::PREFIX;
 use std::io::{self, Read};
 
 /// Bytes read in order, with their place and their checksum.
-pub(super) struct Source<R> {
+pub(crate) struct Source<R> {
     input: R,
     offset: u64,
     crc: crc32fast::Hasher,
@@ -12,7 +12,7 @@ pub(super) struct Source<R> {
 
 /// What comes next in a file. The content is in the buffer that was passed.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Next {
+pub(crate) enum Next {
     /// A whole record.
     Record { opcode: u8, offset: u64 },
     /// The file ends where a record should begin, or within one.

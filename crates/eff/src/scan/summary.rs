@@ -1,4 +1,5 @@
-use super::data::{AttachmentFacts, ChunkFacts, Data};
+use super::data::Data;
+use super::facts::{AttachmentFacts, ChunkFacts};
 use super::{Findings, at};
 use crate::Code;
 use crate::finding::Place;
@@ -6,12 +7,12 @@ use crate::record::{self, PREFIX, Record, Statistics, op};
 use std::collections::BTreeMap;
 
 /// The summary section: what a file says about itself, so that a reader need not read all of it.
-pub(super) struct Summary {
+pub(crate) struct Summary {
     start: u64,
-    schemas: BTreeMap<u16, Vec<u8>>,
-    channels: BTreeMap<u16, Vec<u8>>,
-    statistics: Option<Statistics>,
-    chunks: Vec<ChunkFacts>,
+    pub schemas: BTreeMap<u16, Vec<u8>>,
+    pub channels: BTreeMap<u16, Vec<u8>>,
+    pub statistics: Option<Statistics>,
+    pub chunks: Vec<ChunkFacts>,
     attachments: Vec<AttachmentFacts>,
     n_metadata: u32,
     /// Opcode, start and length of each run of records of one kind.
@@ -56,26 +57,8 @@ impl Summary {
             Record::Schema(schema) => drop(self.schemas.insert(schema.id, body.to_vec())),
             Record::Channel(channel) => drop(self.channels.insert(channel.id, body.to_vec())),
             Record::Statistics(statistics) => self.statistics = Some(statistics.clone()),
-            Record::ChunkIndex(index) => self.chunks.push(ChunkFacts {
-                start_time: index.start_time,
-                end_time: index.end_time,
-                offset: index.offset,
-                length: index.length,
-                message_index_offsets: index.message_index_offsets.clone(),
-                message_index_length: index.message_index_length,
-                compression: index.compression.to_owned(),
-                compressed_size: index.compressed_size,
-                uncompressed_size: index.uncompressed_size,
-            }),
-            Record::AttachmentIndex(index) => self.attachments.push(AttachmentFacts {
-                offset: index.offset,
-                length: index.length,
-                log_time: index.log_time,
-                create_time: index.create_time,
-                data_size: index.data_size,
-                name: index.name.to_owned(),
-                media_type: index.media_type.to_owned(),
-            }),
+            Record::ChunkIndex(index) => self.chunks.push(index.into()),
+            Record::AttachmentIndex(index) => self.attachments.push(index.into()),
             Record::MetadataIndex { .. } => self.n_metadata += 1,
             Record::Private => {}
             _ => {

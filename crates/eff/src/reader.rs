@@ -1,0 +1,227 @@
+mod index;
+mod part;
+
+use crate::finding::Place;
+use crate::format::{time_ns, topic};
+use crate::manifest::Manifest;
+use crate::record::{self, Message, Record};
+use crate::scan::chunk::{InChunk, records_in, unpack};
+use crate::scan::facts::ChunkFacts;
+use crate::scan::{Findings, at, broken, check_crc};
+use crate::{Code, EffError, check, decode};
+use index::Index;
+pub use part::Part;
+use std::io::{Read, Seek, SeekFrom};
+use tousle_core::{Pose, WindSample};
+use tousle_field::{Field, FieldLayer};
+
+/// Reads single steps of a field file, holding one of them at a time.
+///
+/// It finds its way by the summary at the file's end and reads nothing that it was not asked for; what it reads
+/// it checks as [`crate::read()`] does, by the checksums of the summary and of each chunk.
+#[derive(Debug)]
+pub struct Reader<R> {
+    input: R,
+    index: Index,
+    manifest: Manifest,
+    layers: Vec<FieldLayer>,
+}
+
+impl<R: Read + Seek> Reader<R> {
+    /// Opens a field file: reads its summary, its manifest and its edits.
+    ///
+    /// # Errors
+    /// [`EffError::Unsound`] if the file was cut or one of the three is not sound, [`EffError::Io`] if the
+    /// stream fails.
+    pub fn open(mut input: R) -> Result<Self, EffError> {
+        let index = Index::read(&mut input)?;
+        let mut manifest = None;
+        each_message(&mut input, &index, topic::MANIFEST, None, &mut |message, place| {
+            let mut findings = Findings::first_error();
+            let found = decode::manifest(message.data, place).map_err(first)?;
+            check::manifest(&found, place, &mut findings);
+            manifest.get_or_insert(found);
+            fail(findings)
+        })?;
+        let Some(manifest) = manifest else {
+            let place = Place { channel: Some(topic::MANIFEST), ..Place::default() };
+            return Err(place.finding(Code::Missing, "manifest", "none", "a sound manifest").into());
+        };
+        let mut layers = Vec::new();
+        each_message(&mut input, &index, topic::EDITS, None, &mut |message, place| {
+            let mut findings = Findings::first_error();
+            let edits = decode::edits(message.data, place).map_err(first)?;
+            check::edits(&edits, place, &mut findings);
+            layers = edits.layers.into_iter().map(Into::into).collect();
+            fail(findings)
+        })?;
+        let reader = Self { input, index, manifest, layers };
+        reader.check_count(topic::FIELD, reader.manifest.field.n_steps.unwrap_or(reader.n_steps().max(1)))?;
+        reader.check_count(topic::POSE, reader.manifest.pose.n_poses)?;
+        reader.check_count(topic::SAMPLES, reader.manifest.samples.map_or(0, |s| s.n_steps))?;
+        Ok(reader)
+    }
+
+    /// The manifest.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// The edits, in order.
+    pub fn layers(&self) -> &[FieldLayer] {
+        &self.layers
+    }
+
+    /// How many steps the field has.
+    pub fn n_steps(&self) -> u64 {
+        self.index.count(topic::FIELD)
+    }
+
+    /// Reads one step; `None` past the end.
+    ///
+    /// # Errors
+    /// [`EffError::Unsound`] if the step is not sound, [`EffError::Io`] if the stream fails.
+    pub fn step(&mut self, k: u64) -> Result<Option<Field>, EffError> {
+        if k >= self.n_steps() {
+            return Ok(None);
+        }
+        let info = &self.manifest.field;
+        let secs = info.step_secs(k);
+        // Another program may round a half nanosecond the other way.
+        let time = time_ns(secs).unwrap_or(u64::MAX);
+        let near = (time.saturating_sub(1), time.saturating_add(1));
+        let mut step = None;
+        each_message(&mut self.input, &self.index, topic::FIELD, Some(near), &mut |message, place| {
+            let (stamp, field) = decode::step(message.data, info, place).map_err(first)?;
+            let mut findings = Findings::first_error();
+            check::stamp(stamp, k, secs, message.log_time, place, &mut findings);
+            step = Some(field);
+            fail(findings)
+        })?;
+        match step {
+            Some(step) => Ok(Some(step)),
+            None => {
+                let place = Place { channel: Some(topic::FIELD), time_ns: Some(time), offset: None };
+                Err(place.finding(Code::Count, format!("step {k}"), "none at its time", "one").into())
+            }
+        }
+    }
+
+    /// Reads all poses.
+    ///
+    /// # Errors
+    /// [`EffError::Unsound`] if one is not sound, [`EffError::Io`] if the stream fails.
+    pub fn poses(&mut self) -> Result<Vec<Pose>, EffError> {
+        let mut poses = Vec::new();
+        let info = self.manifest.pose;
+        each_message(&mut self.input, &self.index, topic::POSE, None, &mut |message, place| {
+            let k = poses.len() as u64;
+            let (stamp, pose) = decode::pose(message.data, place)?;
+            let mut findings = Findings::first_error();
+            check::stamp(stamp, k, info.pose_secs(k), message.log_time, place, &mut findings);
+            poses.push(pose);
+            fail(findings)
+        })?;
+        Ok(poses)
+    }
+
+    /// Reads the samples of all steps; empty if the file has none.
+    ///
+    /// # Errors
+    /// [`EffError::Unsound`] if one is not sound, [`EffError::Io`] if the stream fails.
+    pub fn samples(&mut self) -> Result<Vec<Vec<WindSample>>, EffError> {
+        let mut steps = Vec::new();
+        let Some(info) = self.manifest.samples else { return Ok(steps) };
+        each_message(&mut self.input, &self.index, topic::SAMPLES, None, &mut |message, place| {
+            let k = steps.len() as u64;
+            let (stamp, samples) = decode::samples(message.data, place)?;
+            let mut findings = Findings::first_error();
+            check::stamp(stamp, k, info.step_secs(k), message.log_time, place, &mut findings);
+            steps.push(samples);
+            fail(findings)
+        })?;
+        Ok(steps)
+    }
+
+    fn check_count(&self, topic: &'static str, expected: u64) -> Result<(), EffError> {
+        let found = self.index.count(topic);
+        let place = Place { channel: Some(topic), ..Place::default() };
+        if found == expected {
+            Ok(())
+        } else {
+            Err(place.finding(Code::Count, "messages", found, expected).into())
+        }
+    }
+}
+
+/// What is done with a message.
+type Take<'a> = &'a mut dyn FnMut(Message<'_>, Place<'_>) -> Result<(), EffError>;
+
+/// Passes the messages of a topic on, in order; of those chunks only that hold times `within`.
+fn each_message<R: Read + Seek>(
+    input: &mut R,
+    index: &Index,
+    topic: &'static str,
+    within: Option<(u64, u64)>,
+    take: Take<'_>,
+) -> Result<(), EffError> {
+    let Some(channel_id) = index.channel(topic) else { return Ok(()) };
+    let (first, last) = within.unwrap_or((0, u64::MAX));
+    for chunk in index.chunks_with(channel_id) {
+        if chunk.end_time < first || chunk.start_time > last {
+            continue;
+        }
+        let unpacked = read_chunk(input, chunk)?;
+        let place = Place { channel: Some(topic), ..at(chunk.offset) };
+        for record in records_in(&unpacked) {
+            let Ok(InChunk { opcode, body, .. }) = record else {
+                return Err(place
+                    .finding(Code::Record, "record in chunk", "a part", "a whole record")
+                    .into());
+            };
+            match record::parse(opcode, body).map_err(|short| broken(place, opcode, body, short))? {
+                Record::Message(message)
+                    if message.channel_id == channel_id && (first..=last).contains(&message.log_time) =>
+                {
+                    take(message, Place { time_ns: Some(message.log_time), ..place })?;
+                }
+                _ => {}
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Reads a chunk where its index says it is, and unpacks it.
+fn read_chunk<R: Read + Seek>(input: &mut R, facts: &ChunkFacts) -> Result<Vec<u8>, EffError> {
+    let place = at(facts.offset);
+    input.seek(SeekFrom::Start(facts.offset))?;
+    let mut bytes = Vec::new();
+    input.by_ref().take(facts.length).read_to_end(&mut bytes)?;
+    let stray = || place.finding(Code::Summary, "chunk index", "an index of something else", "a chunk's");
+    let Some((prefix, body)) = bytes.split_first_chunk::<{ record::PREFIX as usize }>() else {
+        return Err(stray().into());
+    };
+    let Ok(Record::Chunk(chunk)) = record::parse(prefix[0], body) else { return Err(stray().into()) };
+    let found = (chunk.start_time, chunk.end_time, chunk.uncompressed_size, chunk.data.len() as u64);
+    let expected = (facts.start_time, facts.end_time, facts.uncompressed_size, facts.compressed_size);
+    if found != expected || prefix[1..] != (body.len() as u64).to_le_bytes() {
+        return Err(stray().into());
+    }
+    let unpacked = unpack(&chunk, place)?;
+    let mut findings = Findings::first_error();
+    check_crc(Code::ChunkCrc, chunk.uncompressed_crc, crc32fast::hash(&unpacked), place, &mut findings);
+    fail(findings)?;
+    Ok(unpacked)
+}
+
+/// The first error as an error.
+fn fail(findings: Findings) -> Result<(), EffError> {
+    findings.into_first_error().map_or(Ok(()), |finding| Err(Box::new(finding).into()))
+}
+
+/// The first of several findings; whoever gives a list of errors has at least one.
+fn first(findings: Vec<crate::Finding>) -> EffError {
+    let finding = findings.into_iter().next();
+    finding.map_or_else(|| EffError::bad("message", "something wrong", "nothing"), |f| Box::new(f).into())
+}

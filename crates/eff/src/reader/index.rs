@@ -1,0 +1,158 @@
+use super::fail;
+use crate::Code;
+use crate::EffError;
+use crate::format::PROFILE;
+use crate::manifest::Manifest;
+use crate::record::{self, FOOTER, MAGIC, Record};
+use crate::scan::data::{Data, quoted};
+use crate::scan::facts::ChunkFacts;
+use crate::scan::source::{Next, Source};
+use crate::scan::summary::Summary;
+use crate::scan::{Findings, Listener, at, broken, check_crc, magic};
+use std::collections::BTreeMap;
+use std::io::{Read, Seek, SeekFrom};
+
+/// Where everything is in a file, as its summary says.
+#[derive(Debug)]
+pub(super) struct Index {
+    channels: BTreeMap<&'static str, u16>,
+    counts: BTreeMap<u16, u64>,
+    chunks: Vec<ChunkFacts>,
+}
+
+/// The footer and the magic after it.
+const TAIL: u64 = FOOTER + MAGIC.len() as u64;
+
+impl Index {
+    /// The channel of a topic, if the file has one.
+    pub fn channel(&self, topic: &str) -> Option<u16> {
+        self.channels.get(topic).copied()
+    }
+
+    /// How many messages a topic has.
+    pub fn count(&self, topic: &str) -> u64 {
+        self.channel(topic).and_then(|id| self.counts.get(&id).copied()).unwrap_or(0)
+    }
+
+    /// The chunks that hold messages of a channel, in the file's order.
+    pub fn chunks_with(&self, channel_id: u16) -> impl Iterator<Item = &ChunkFacts> {
+        self.chunks.iter().filter(move |c| c.message_index_offsets.contains_key(&channel_id))
+    }
+
+    /// Reads a file's ends: its header, its footer and the summary before it.
+    pub fn read<R: Read + Seek>(input: &mut R) -> Result<Self, EffError> {
+        let length = input.seek(SeekFrom::End(0))?;
+        input.seek(SeekFrom::Start(0))?;
+        check_header(input)?;
+        let summary_start = read_footer(input, length)?;
+        let (summary, length) = (read_summary(input, summary_start, length)?, length);
+        let channels = check_channels(&summary)?;
+        let Some(statistics) = summary.statistics else {
+            return Err(at(summary_start).finding(Code::Summary, "statistics", "none", "one record").into());
+        };
+        if let Some(chunk) = summary.chunks.iter().find(|c| c.offset.saturating_add(c.length) > length) {
+            let found = format!("a chunk at {} of {} bytes", chunk.offset, chunk.length);
+            let expected = format!("chunks within the file's {length} bytes");
+            return Err(at(summary_start).finding(Code::Summary, "chunk index", found, expected).into());
+        }
+        Ok(Self { channels, counts: statistics.channel_message_counts, chunks: summary.chunks })
+    }
+}
+
+fn check_header<R: Read>(input: &mut R) -> Result<(), EffError> {
+    let mut source = Source::new(input);
+    let mut findings = Findings::first_error();
+    magic(&mut source, &mut findings)?;
+    fail(findings)?;
+    let mut body = Vec::new();
+    let next = source.next(&mut body)?;
+    let header = record::parse(record::op::HEADER, &body);
+    let (Next::Record { opcode: record::op::HEADER, .. }, Ok(Record::Header { profile })) = (next, header)
+    else {
+        return Err(at(8).finding(Code::RecordOrder, "record", "none", "a header, before all else").into());
+    };
+    if profile == PROFILE {
+        Ok(())
+    } else {
+        Err(at(8).finding(Code::Profile, "header.profile", quoted(profile), quoted(PROFILE)).into())
+    }
+}
+
+/// Where the summary begins.
+fn read_footer<R: Read + Seek>(input: &mut R, length: u64) -> Result<u64, EffError> {
+    let place = at(length.saturating_sub(TAIL));
+    let cut = |found: String| place.finding(Code::Cut, "file", found, "a footer and the magic at its end");
+    if length < TAIL + MAGIC.len() as u64 {
+        return Err(cut(format!("{length} bytes")).into());
+    }
+    input.seek(SeekFrom::Start(length - TAIL))?;
+    let mut tail = [0; TAIL as usize];
+    input.read_exact(&mut tail)?;
+    let (footer, magic) = tail.split_at(FOOTER as usize);
+    if magic != MAGIC {
+        return Err(cut(format!("an end in {}", magic.escape_ascii())).into());
+    }
+    let body = &footer[record::PREFIX as usize..];
+    match record::parse(footer[0], body) {
+        Ok(Record::Footer { summary_start, .. }) if (8..=length - TAIL).contains(&summary_start) => {
+            Ok(summary_start)
+        }
+        Ok(Record::Footer { summary_start, .. }) => {
+            let expected = "a place in the file";
+            Err(place.finding(Code::Summary, "footer.summary_start", summary_start, expected).into())
+        }
+        _ => Err(place.finding(Code::RecordOrder, "record", record::name(footer[0]), "a footer").into()),
+    }
+}
+
+fn read_summary<R: Read + Seek>(input: &mut R, start: u64, length: u64) -> Result<Summary, EffError> {
+    input.seek(SeekFrom::Start(start))?;
+    let mut source = Source::new(input.by_ref().take(length - start));
+    let mut summary = Summary::new(start);
+    let mut body = Vec::new();
+    let mut findings = Findings::first_error();
+    loop {
+        let (opcode, offset) = match source.next(&mut body)? {
+            Next::Record { opcode, offset } => (opcode, start + offset),
+            Next::End { offset, found } => {
+                return Err(at(start + offset)
+                    .finding(Code::Cut, "record", found, "records up to a footer")
+                    .into());
+            }
+        };
+        match record::parse(opcode, &body).map_err(|short| broken(at(offset), opcode, &body, short))? {
+            Record::Footer { summary_crc, .. } => {
+                let computed = source.crc_through(opcode, &body, body.len() - 4);
+                check_crc(Code::SummaryCrc, summary_crc, computed, at(offset), &mut findings);
+                fail(findings)?;
+                return Ok(summary);
+            }
+            record => summary.record(&record, opcode, &body, offset, &mut findings),
+        }
+    }
+}
+
+/// The channels of the format, each as version 1 has it.
+fn check_channels(summary: &Summary) -> Result<BTreeMap<&'static str, u16>, EffError> {
+    struct Deaf;
+    impl Listener for Deaf {
+        fn manifest(&mut self, _manifest: &Manifest) -> Result<(), EffError> {
+            Ok(())
+        }
+    }
+    let mut deaf = Deaf;
+    let mut data = Data::new(&mut deaf);
+    let mut findings = Findings::first_error();
+    let schemas = summary.schemas.values().map(|body| (record::op::SCHEMA, body));
+    let channels = summary.channels.values().map(|body| (record::op::CHANNEL, body));
+    for (opcode, body) in schemas.chain(channels) {
+        match record::parse(opcode, body) {
+            Ok(Record::Schema(schema)) => data.schema(schema, body, Default::default(), &mut findings),
+            Ok(Record::Channel(channel)) => data.channel(&channel, body, Default::default(), &mut findings),
+            _ => {}
+        }
+    }
+    fail(findings)?;
+    let topics = crate::format::STREAMS.iter().map(|s| s.topic);
+    Ok(topics.filter_map(|topic| Some((topic, data.channel_of(topic)?))).collect())
+}

@@ -1,0 +1,157 @@
+use super::Reader;
+use crate::{Eff, EffError, ReadOptions};
+use std::io::{Read, Seek};
+use std::ops::RangeInclusive;
+use tousle_core::{PoseTrack, Vec3};
+use tousle_field::{Field, FieldSequence, GridSpec, VoxelIndex};
+
+/// Which part of a field is wanted.
+///
+/// Within it, sampling gives what the whole field gives, to rounding: the steps and voxels just beyond its ends
+/// that interpolation needs are part of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Part {
+    /// From when to when, s; all steps if `None`.
+    pub span_secs: Option<[f64; 2]>,
+    /// Two opposite corners of a box, the lower ones first, head space, m; the whole grid if `None`.
+    pub box_m: Option<[Vec3; 2]>,
+}
+
+impl Part {
+    /// This part within a span of time, s.
+    pub fn within_secs(self, first: f64, last: f64) -> Self {
+        Self { span_secs: Some([first, last]), ..self }
+    }
+
+    /// This part within a box, head space, m.
+    pub fn within_box_m(self, low: Vec3, high: Vec3) -> Self {
+        Self { box_m: Some([low, high]), ..self }
+    }
+}
+
+impl<R: Read + Seek> Reader<R> {
+    /// Reads a part of the field with its scene and its edits; samples and attachments are left in the file.
+    ///
+    /// # Errors
+    /// [`EffError::Unsound`] if something on the way is not sound, [`EffError::TooLarge`] if the part takes more
+    /// memory than `options` allow, [`EffError::Io`] if the stream fails.
+    pub fn part(&mut self, part: &Part, options: &ReadOptions) -> Result<Eff, EffError> {
+        let info = &self.manifest.field;
+        let whole = info.grid.spec();
+        let last_step = self.n_steps().saturating_sub(1);
+        let (start_secs, rate_hz) = (info.start_secs, info.rate_hz);
+        let steps = match part.span_secs {
+            Some([first, last]) => {
+                around((first - start_secs) * rate_hz, (last - start_secs) * rate_hz, last_step)
+            }
+            None => 0..=last_step,
+        };
+        let crop = Crop::new(&whole, part.box_m);
+        let needed = steps.clone().count() as u64 * (13 * crop.grid.n_voxels()) as u64;
+        if needed > options.max_memory {
+            return Err(EffError::TooLarge { needed, allowed: options.max_memory });
+        }
+        let mut fields = Vec::new();
+        let start_secs = info.step_secs(*steps.start());
+        for k in steps {
+            fields.extend(self.step(k)?.map(|step| crop.apply(step)));
+        }
+        let poses = PoseTrack {
+            start_secs: self.manifest.pose.start_secs,
+            rate_hz: self.manifest.pose.rate_hz,
+            poses: self.poses()?,
+        };
+        Ok(Eff {
+            name: self.manifest.name.clone(),
+            method: self.manifest.method.clone(),
+            generator: self.manifest.generator.clone(),
+            field: FieldSequence {
+                grid: crop.grid,
+                quantity: self.manifest.field.quantity.into(),
+                start_secs,
+                rate_hz,
+                steps: fields,
+                layers: self.layers.clone(),
+            },
+            scene: self.manifest.scene.clone().with_poses(poses),
+            samples: None,
+            attachments: Vec::new(),
+        })
+    }
+}
+
+/// The whole numbers around a span, none past the last one. A NaN asks for everything.
+fn around(first: f64, last: f64, end: u64) -> RangeInclusive<u64> {
+    // A hair's breadth more, so that rounding never leaves a neighbor out.
+    let low = ((first - 1e-9).floor().max(0.0) as u64).min(end);
+    let high = if last.is_nan() { end } else { ((last + 1e-9).ceil().max(0.0) as u64).min(end) };
+    low..=high.max(low)
+}
+
+/// The voxels of a grid that a box needs.
+struct Crop {
+    whole: GridSpec,
+    first: [usize; 3],
+    grid: GridSpec,
+}
+
+impl Crop {
+    fn new(whole: &GridSpec, box_m: Option<[Vec3; 2]>) -> Self {
+        let Some([low, high]) = box_m else { return Self { whole: *whole, first: [0; 3], grid: *whole } };
+        let place = |p: Vec3, axis: usize| (p[axis] - whole.origin_m[axis]) / whole.edge_m - 0.5;
+        let ranges = [0, 1, 2].map(|a| around(place(low, a), place(high, a), whole.dims[a] as u64 - 1));
+        let first = [0, 1, 2].map(|a| *ranges[a].start() as usize);
+        let corner = Vec3::from(first.map(|i| i as f64)) * whole.edge_m;
+        let grid = GridSpec {
+            origin_m: whole.origin_m + corner,
+            edge_m: whole.edge_m,
+            dims: [0, 1, 2].map(|a| (*ranges[a].end() as usize) - first[a] + 1),
+        };
+        Self { whole: *whole, first, grid }
+    }
+
+    /// The voxels of a step that are within.
+    fn apply(&self, step: Field) -> Field {
+        if self.grid == self.whole {
+            return step;
+        }
+        let n = self.whole.n_voxels();
+        let kept: Vec<usize> = (0..self.grid.n_voxels())
+            .map(|flat| {
+                let VoxelIndex(v) = self.grid.unflat(flat);
+                self.whole.flat(VoxelIndex([0, 1, 2].map(|a| v[a] + self.first[a])))
+            })
+            .collect();
+        Field {
+            u: (0..3).flat_map(|axis| kept.iter().map(move |k| axis * n + k)).map(|k| step.u[k]).collect(),
+            flags: kept.iter().map(|k| step.flags[*k]).collect(),
+            sd: step.sd.map(|sd| kept.iter().map(|k| sd[*k]).collect()),
+            outside: step.outside,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbors_are_kept_and_ends_are_ends() {
+        assert_eq!(around(2.3, 4.7, 9), 2..=5);
+        assert_eq!(around(2.0, 4.0, 9), 1..=5);
+        assert_eq!(around(-3.0, 0.5, 9), 0..=1);
+        assert_eq!(around(20.0, 30.0, 9), 9..=9);
+        assert_eq!(around(5.0, 1.0, 9), 4..=4);
+        assert_eq!(around(f64::NAN, f64::NAN, 9), 0..=9);
+    }
+
+    #[test]
+    fn a_box_keeps_the_centers_around_it() {
+        let whole = GridSpec { origin_m: Vec3::zeros(), edge_m: 1.0, dims: [4, 4, 4] };
+        let crop = Crop::new(&whole, Some([Vec3::new(1.6, 0.1, 2.0), Vec3::new(2.4, 0.4, 9.0)]));
+        // Along x the centers 1.5 and 2.5, along y the nearest of the first voxel, along z from 1.5 to the end.
+        assert_eq!((crop.first, crop.grid.dims), ([1, 0, 1], [2, 1, 3]));
+        assert_eq!(crop.grid.origin_m, Vec3::new(1.0, 0.0, 1.0));
+    }
+}
