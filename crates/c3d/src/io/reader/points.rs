@@ -144,14 +144,16 @@ impl<R: Read> Pieces<'_, R> {
 
 #[inline]
 fn float_point(bytes: &[u8; 16], float: impl Fn([u8; 4]) -> f32) -> Option<Point> {
-    let [x, y, z, word] = [0, 4, 8, 12].map(|i| float([bytes[i], bytes[i + 1], bytes[i + 2], bytes[i + 3]]));
-    Point::from_word([x, y, z], word_from_f32(word))
+    // Called four times and not by `map` over an array, which the compiler does not inline.
+    let at = |i: usize| float([bytes[i], bytes[i + 1], bytes[i + 2], bytes[i + 3]]);
+    Point::from_word([at(0), at(4), at(8)], word_from_f32(at(12)))
 }
 
 #[inline]
 fn int_point(bytes: &[u8; 8], int: impl Fn([u8; 2]) -> i16, scale: f32) -> Option<Point> {
-    let [x, y, z, word] = [0, 2, 4, 6].map(|i| int([bytes[i], bytes[i + 1]]));
-    Point::from_word([x, y, z].map(|c| f32::from(c) * scale), word)
+    let at = |i: usize| int([bytes[i], bytes[i + 1]]);
+    let coordinate = |i: usize| f32::from(at(i)) * scale;
+    Point::from_word([coordinate(0), coordinate(2), coordinate(4)], at(6))
 }
 
 #[cfg(test)]
