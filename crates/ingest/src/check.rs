@@ -139,3 +139,68 @@ fn list(missing: &[MissingMarker]) -> String {
     }
     text.join(", ")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{IngestOptions, read_capture, read_session};
+
+    const SESSION: &str = r#"{"rate_hz": 100, "up_axis": "Z", "still_frames": [1, 50],
+        "head_markers_mm_in_head_frame": {"A": [100, 0, 0], "B": [0, 80, 0], "C": [-100, 0, 0]},
+        "strands": [{"strand": "S01", "length_mm": 200, "root_mm": [0, 0, 100], "markers": ["S01_1", "S01_2"]}]}"#;
+
+    /// A capture of one frame in which these markers are seen.
+    fn capture(labels: &[&str]) -> Capture {
+        let names: String = labels.iter().map(|label| format!(",{label},,")).collect();
+        let (axes, cells) = (",X,Y,Z".repeat(labels.len()), ",1.5,2,3".repeat(labels.len()));
+        let units = ",mm".repeat(3 * labels.len());
+        let text = format!("Trajectories\n120\n,{names}\nFrame,Sub Frame{axes}\n,{units}\n1,0{cells}\n");
+        read_capture(text.as_bytes(), &IngestOptions::default()).unwrap().capture
+    }
+
+    fn check(labels: &[&str]) -> Result<Vec<String>, CheckError> {
+        check_against(&capture(labels), &read_session(SESSION.as_bytes()).unwrap())
+    }
+
+    #[test]
+    fn a_missing_marker_comes_with_its_nearest_label() {
+        let error = check(&["A", "B", "C", "S01_1", "s012", "*1"]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "the session names markers that are not in the capture: S01_2 (the capture has s012)"
+        );
+        let error = check(&["B", "C", "S01_1", "S01_2"]).unwrap_err().to_string();
+        assert!(error.contains(": A"), "{error}");
+    }
+
+    #[test]
+    fn one_label_on_two_subjects_is_ambiguous() {
+        let error = check(&["X:A", "Y:A", "B", "C", "S01_1", "S01_2"]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "marker A: found it on the subjects X, Y, expected one: pass the subject"
+        );
+    }
+
+    #[test]
+    fn contradictions_are_warned_of() {
+        assert_eq!(
+            check(&["A", "B", "C", "S01_1", "S01_2", "S01_2"]).unwrap(),
+            [
+                "the session says 100 frames a second, the capture 120",
+                "still frames 1 to 50 are not all in the capture (frames 1 to 1)",
+                "marker S01_2 is in the capture 2 times; the first is taken",
+            ]
+        );
+    }
+
+    #[test]
+    fn distances_are_typing_errors() {
+        let letters = |word: &str| word.chars().collect::<Vec<_>>();
+        for (a, b, errors) in
+            [("LFHD", "LFHD", 0), ("LFHD", "LHFD", 2), ("", "abc", 3), ("widht", "width", 2)]
+        {
+            assert_eq!(distance(&letters(a), &letters(b)), errors, "{a} {b}");
+        }
+    }
+}

@@ -120,3 +120,35 @@ impl Sum {
         (self.n > 0).then(|| self.total.map(|total| total / self.n as f64))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_contract_of_inspect() {
+        let csv = "Devices\n1000\n,,Plate,,\nFrame,Sub Frame,Fx,Fy,Fz\n,,N,N,N\n7,0,1,2,3\n\n\
+            Trajectories\n120\n,,Wig: LFHD ,,,*1,,\nFrame,Sub Frame,X,Y,Z,X,Y,Z\n,,mm,mm,mm,mm,mm,mm\n\
+            7,0,1.5,2,3,,,\n8,0,2.5,4,9,,,\n";
+        let summary = summarize(csv.as_bytes()).unwrap();
+        assert_eq!(
+            serde_json::to_value(&summary).unwrap(),
+            serde_json::json!({
+                "kind": "capture",
+                "format": "vicon-csv",
+                "frames": 2,
+                "first_frame": 7,
+                "rate_hz": 120.0,
+                "unit": "mm",
+                "labels": ["Wig: LFHD", "*1"],
+                "invalid_samples": 2,
+                "trajectories": [
+                    {"label": "Wig: LFHD", "valid": 2, "mean": [2.0, 3.0, 6.0]},
+                    {"label": "*1", "valid": 0, "mean": null},
+                ],
+                "other": [{"what": "Devices", "count": 1, "names": ["Plate"], "rate_hz": 1000.0}],
+                "warnings": [],
+            })
+        );
+    }
+}

@@ -20,22 +20,9 @@ const TOP: &[&str] = &[
     "fans",
     "air_density_kg_m3",
     "strands",
-    // Notes that captures carry and nothing reads.
-    "frames",
-    "first_frame",
-    "head_frame",
-    "head_markers_note",
-    "subject_kind",
-    "capture_volume_mm",
 ];
-const COLLIDERS: &[&str] = &[
-    "head_ellipsoid_half_axes_mm",
-    "neck_capsule_mm",
-    "shoulders_capsule_mm",
-    "head_pivot_mm",
-    "friction",
-    "note",
-];
+const COLLIDERS: &[&str] =
+    &["head_ellipsoid_half_axes_mm", "neck_capsule_mm", "shoulders_capsule_mm", "head_pivot_mm", "friction"];
 const FAN: &[&str] = &[
     "from_azimuth_deg",
     "to_azimuth_deg",
@@ -68,18 +55,42 @@ pub(super) fn check(session: &Value) -> Result<(), SessionError> {
 }
 
 fn check_level(level: &Value, path: &str, known: &[&str]) -> Result<(), SessionError> {
-    let fields = level.as_object().into_iter().flat_map(|fields| fields.keys());
-    for field in fields.filter(|field| !known.contains(&field.as_str())) {
-        // The unit at the end included: `length_m` for `length_mm` is the costliest of all slips.
-        let letters: Vec<char> = field.chars().collect();
-        let near = known.iter().find(|name| distance(&letters, &name.chars().collect::<Vec<_>>()) <= 2);
+    let Some(fields) = level.as_object() else { return Ok(()) };
+    for field in fields.keys().filter(|field| !known.contains(&field.as_str())) {
+        // A field that is there in its right spelling too is not lost.
+        let near = known.iter().find(|name| !fields.contains_key(**name) && is_near(field, name));
         if let Some(near) = near {
-            return Err(SessionError::field(
-                &format!("{path}{field}"),
-                "a field of that name",
-                format!("`{near}`"),
-            ));
+            let path = format!("{path}{field}");
+            return Err(SessionError::field(&path, "a field of that name", format!("`{near}`")));
         }
     }
     Ok(())
+}
+
+/// One slip in a short word, two in a long one. `length_m` for `length_mm`, the costliest of all, is one.
+fn is_near(field: &str, name: &str) -> bool {
+    const LONG: usize = 8;
+    let letters = |word: &str| word.chars().collect::<Vec<_>>();
+    let most = if name.len() < LONG { 1 } else { 2 };
+    distance(&letters(field), &letters(name)) <= most
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn slips_are_found_and_notes_are_welcome() {
+        for (session, slip) in [
+            (json!({"unit": "mm"}), true),
+            (json!({"strands": [{"lenght_mm": 1}]}), true),
+            (json!({"fans": [{}, {"from_elevation_degrees": 1}]}), false),
+            (json!({"fans": [{}, {"from_elevation_dge": 1}]}), true),
+            (json!({"note": "", "date": "", "operator": "", "frame": 3}), false),
+            (json!({"subject": "Wig", "subjects": 1}), false),
+        ] {
+            assert_eq!(check(&session).is_err(), slip, "{session}");
+        }
+    }
 }

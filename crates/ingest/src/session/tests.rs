@@ -75,3 +75,130 @@ fn errors_say_where() {
         "line 16, column 1: missing field `head_markers_mm_in_head_frame`"
     );
 }
+
+/// The same session as [`JSON`], as a hand would rather write it.
+const TOML: &str = r#"
+# The wig on its stand.
+name = "wig"
+subject = "Wig"
+units = "mm"
+up_axis = "Z"
+rate_hz = 120
+still_frames = [1, 120]
+
+[head_markers_mm_in_head_frame]
+NOSE = [113, 1, -18]
+"Wig:LFHD" = [84, 29, 43]
+RFHD = [83.5, -30, 42.5]
+
+[colliders]
+head_ellipsoid_half_axes_mm = [95, 75, 100]
+neck_capsule_mm = { a = [-15, 0, -70], b = [-20, 0, -190], radius = 55 }
+
+[[fans]]
+from_azimuth_deg = 90
+speed_mps = 2
+blows_towards_world = [0, 0, -2]
+
+[[strands]]
+strand = "S01"
+length_mm = 175
+linear_density_g_per_m = 3.25
+lock_width_mm = 7.1
+root_mm = [-15, 74, -25]
+markers = ["S01_1", "S01_2"]
+marker_distance_from_root_mm = [33, 61]
+marker_mass_mg = [22, 22]
+"#;
+
+#[test]
+fn toml_says_the_same() {
+    assert_eq!(read_session(TOML.as_bytes()).unwrap(), read_session(JSON.as_bytes()).unwrap());
+    let with_mark = [b"\xEF\xBB\xBF", TOML.as_bytes()].concat();
+    assert_eq!(read_session(&with_mark).unwrap(), read_session(JSON.as_bytes()).unwrap());
+    let error = |text: &str| read_session(text.as_bytes()).unwrap_err().to_string();
+    assert_eq!(
+        error(&TOML.replace("length_mm = 175", "length_mm = \"long\"")),
+        "line 26, column 13: invalid type: string \"long\", expected f64"
+    );
+    assert!(error(&TOML.replace("[[strands]]", "[[strands]")).starts_with("line 24, column "));
+}
+
+#[test]
+fn a_bare_session_gets_defaults_that_are_all_listed() {
+    let session = read_session(
+        br#"{
+        "head_markers_mm_in_head_frame": {"A": [100, 0, 0], "B": [0, 80, 0], "C": [-100, 0, 0]},
+        "strands": [
+            {"strand": "S1", "length_mm": 200, "root_mm": [0, 0, 110], "markers": ["a"]},
+            {"strand": "S2", "length_mm": 200, "root_mm": [0, 0, 110], "markers": ["b"], "lock_width_mm": 10,
+             "marker_mass_mg": 0, "marker_distance_from_root_mm": [205]}
+        ]}"#,
+    )
+    .unwrap();
+    assert_eq!(
+        what(&session),
+        [
+            "strands[1].length_mm (lock S2)",
+            "strands[*].linear_density_g_per_m",
+            "strands[S1].lock_width_mm",
+            "strands[S1].marker_mass_mg",
+            "colliders",
+            "head_pivot_mm",
+            "friction",
+            "name",
+            "fans",
+            "air_density_kg_m3",
+        ]
+    );
+    assert_eq!((session.unit, session.up_axis, session.still_frames), (None, None, None));
+    let names: Vec<&str> = session.body.colliders.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["head", "neck", "shoulders"]);
+    assert_eq!(session.strands[0].lock_width_m, 0.005);
+    assert!((session.strands[1].linear_density_kg_per_m - 0.008).abs() < 1e-12, "four times the area");
+    assert_eq!(session.strands[1].length_m, 0.205, "as long as its last marker is far");
+    assert_eq!(session.strands[0].markers[0].distance_from_root_m, None);
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    for (from, to, expected) in [
+        ("[113, 1, -18]", "[113, 1, -18000]", "head_markers_mm_in_head_frame.NOSE: found"),
+        ("[113, 1, -18]", "[113, 1]", "line 3, column"),
+        ("[83.5, -30, 42.5]", "[55, 57, 104]", "head_markers_mm_in_head_frame: found 3 markers within 10 mm"),
+        ("\"RFHD\"", "\"NOSE\"", "line 3, column"),
+        ("[1, 120]", "[120, 1]", "still_frames: found [120, 1]"),
+        ("[95, 75, 100]", "[95, 0, 100]", "colliders.head_ellipsoid_half_axes_mm: found 0"),
+        ("\"radius\": 55", "\"radius\": -1", "colliders.neck_capsule_mm.radius: found -1"),
+        ("[0, 0, -2]", "[0, 0, 0]", "fans[0].blows_towards_world: found [0.0, 0.0, 0.0]"),
+        ("\"speed_mps\": 2", "\"speed_mps\": 0", "fans[0].speed_mps: found 0"),
+        ("[33, 61]", "[61, 33]", "strands[0].marker_distance_from_root_mm (lock S01): found 33 after 61"),
+        ("[33, 61]", "[33]", "strands[0].marker_distance_from_root_mm (lock S01): found 1 numbers"),
+        ("[33, 61]", "[33, 261]", "strands[0].marker_distance_from_root_mm (lock S01): found 261 mm"),
+        (
+            "\"marker_mass_mg\": 22",
+            "\"marker_mass_mg\": [22]",
+            "strands[0].marker_mass_mg (lock S01): found 1",
+        ),
+        ("\"marker_mass_mg\": 22", "\"marker_mass_mg\": true", "line 14, column"),
+        ("[\"S01_1\", \"S01_2\"]", "[]", "strands[0].markers (lock S01): found none"),
+    ] {
+        let error = error_with(from, to);
+        assert!(error.starts_with(expected), "{error}");
+    }
+}
+
+#[test]
+fn what_is_no_session_is_named() {
+    let error = |bytes: &[u8]| read_session(bytes).unwrap_err().to_string();
+    assert_eq!(error(b" \n"), "found an empty file, expected a session in JSON or TOML");
+    assert_eq!(
+        error(b"Trajectories\n100\n,,A,,\nFrame,Sub Frame,X,Y,Z\n"),
+        "found a capture (vicon-csv), expected a session in JSON or TOML"
+    );
+    assert_eq!(
+        error(b"{\"name\": \"\xFF\"}"),
+        "byte 10: found bytes that are not UTF-8, expected a session in JSON or TOML"
+    );
+    assert!(error(b"{\"name\": ").starts_with("line 1, column 9: EOF"));
+}
