@@ -64,14 +64,11 @@ pub fn read(bytes: &[u8]) -> Result<ViconFile, CsvError> {
     Ok(file)
 }
 
-/// Whether bytes look like a Vicon CSV: among the first lines, one heads a column of frame numbers.
+/// Whether bytes look like a Vicon CSV: some line heads a column of frame numbers, and none of times beside it.
 pub fn detect(bytes: &[u8]) -> bool {
-    const FIRST_LINES: usize = 200;
     let bytes = &*plain(bytes);
-    Rows::new(bytes).take(FIRST_LINES).any(|row| {
-        let second = row.cell(1);
-        is_column_key(row.cell(0)) && !second.to_ascii_lowercase().starts_with(b"time")
-    })
+    let starts_with_time = |cell: &[u8]| cell.to_ascii_lowercase().starts_with(b"time");
+    Rows::new(bytes).any(|row| is_column_key(row.cell(0)) && !starts_with_time(row.cell(1)))
 }
 
 #[cfg(test)]

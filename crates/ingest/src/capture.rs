@@ -38,7 +38,7 @@ pub fn read_capture(bytes: &[u8], options: &IngestOptions) -> Result<Ingested, I
     let chosen = choose(&recording, options, &mut warnings)?;
     let (unit, file_unit) = unit(&recording, options, &mut warnings)?;
     let rate_hz = rate(&recording, options, &mut warnings)?;
-    let rows = Rows::of(&recording.frames, &mut warnings)?;
+    let rows = Rows::of(&recording.frames, chosen.len(), bytes.len(), &mut warnings)?;
     let tracks = tracks(&mut recording, &chosen, unit, &rows, options, &mut warnings)?;
     let named = chosen.into_iter().zip(tracks);
     let capture = Capture {
@@ -145,14 +145,21 @@ fn unit(
         return Ok((unit, in_file));
     }
     match (in_file, named, options.unit) {
-        (Some(unit), _, other) => {
-            if let Some(other) = other.filter(|&other| other != unit) {
-                let (unit, other) = (unit.name(), other.name());
-                warnings.push(format!("the file says {unit}, the session {other}; read as the file says"));
+        (Some(unit), _, given) => {
+            if let Some(given) = given.filter(|&given| given != unit) {
+                let (unit, given) = (unit.name(), given.name());
+                warnings.push(format!("the file says {unit}, {given} was given; read as the file says"));
             }
             Ok((unit, in_file))
         }
-        (None, Some(found), _) => Err(IngestError::UnknownUnit { found: found.to_owned() }),
+        (None, Some(found), Some(unit)) => {
+            let unit_name = unit.name();
+            warnings.push(format!(
+                "the file's unit {found:?} is not one of length; read as {unit_name}, as given"
+            ));
+            Ok((unit, None))
+        }
+        (None, Some(found), None) => Err(IngestError::UnknownUnit { found: found.to_owned() }),
         (None, None, Some(unit)) => Ok((unit, None)),
         (None, None, None) => Err(IngestError::NoUnit),
     }
@@ -167,13 +174,13 @@ fn rate(
         (Some(rate), other) => {
             if let Some(other) = other.filter(|other| (rate - other).abs() > 1e-3 * rate) {
                 warnings.push(format!(
-                    "the file says {rate} frames a second, the session {other}; read as the file says"
+                    "the file says {rate} frames a second, {other} was given; read as the file says"
                 ));
             }
             rate
         }
         (None, Some(rate)) => {
-            warnings.push(format!("the file names no frame rate; {rate} a second, as the session says"));
+            warnings.push(format!("the file names no frame rate; {rate} a second, as given"));
             rate
         }
         (None, None) => return Err(IngestError::NoRate),

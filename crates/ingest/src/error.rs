@@ -1,5 +1,3 @@
-use crate::time::LARGEST_SPREAD;
-
 /// Why bytes do not become a capture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -32,7 +30,7 @@ pub enum IngestError {
     #[error("found no unit of length in the file, expected one: pass it (mm, cm, m or in)")]
     NoUnit,
     /// The unit is not one of length, or none we know.
-    #[error("found the unit {found:?}, expected mm, cm, m or in: pass the unit to override the file's")]
+    #[error("found the unit {found:?}, expected one of length: pass it (mm, cm, m or in)")]
     UnknownUnit {
         /// The unit as the file names it.
         found: String,
@@ -63,9 +61,7 @@ pub enum IngestError {
         previous: i64,
     },
     /// The frame numbers jump so far that the file holds next to nothing.
-    #[error(
-        "found frames {first} to {last} in {rows} rows, expected at least one row in {LARGEST_SPREAD} frames"
-    )]
+    #[error("found frames {first} to {last} in {rows} rows, expected frames nearer to one another")]
     FramesTooFarApart {
         /// The first frame.
         first: i64,

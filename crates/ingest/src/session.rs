@@ -22,8 +22,26 @@ use tousle_core::{
 
 /// Reads a session file, JSON or TOML, whichever the bytes are.
 ///
-/// In: lengths in mm, head frame, as `docs` describe the fields. Out: SI. Every value that the file leaves out
-/// and a default stands for is in [`Session::assumed`].
+/// Places are in the head frame (x forward, y to the subject's left, z up), lengths in mm. Out: SI. Every value that
+/// the file leaves out and a default stands for is in [`Session::assumed`]; fields that are not listed here are
+/// notes, unless one is nearly spelled like a field that is missing.
+///
+/// | field | if it is left out |
+/// |---|---|
+/// | `head_markers_mm_in_head_frame` | required: label → `[x, y, z]`, three or more that span a plane |
+/// | `strands[].strand`, `.length_mm`, `.root_mm`, `.markers` (root to tip) | required |
+/// | `strands[].linear_density_g_per_m`, `.lock_width_mm` | each from the other, a lock being equally loose whatever its size; 2 g/m and 5 mm if both are missing |
+/// | `strands[].marker_distance_from_root_mm` | `None` |
+/// | `strands[].marker_mass_mg`, one number or one for each marker | 20 mg |
+/// | `colliders.head_ellipsoid_half_axes_mm`, `.neck_capsule_mm`, `.shoulders_capsule_mm` (`a`, `b`, `radius`) | without `colliders`, an adult's, the head scaled to the roots; within it, what is left out is not there |
+/// | `head_pivot_mm`, here or in `colliders` | on the neck's axis, 15 mm below where it leaves the head |
+/// | `friction`, here or in `colliders` | 0.25 |
+/// | `fans[].from_azimuth_deg`, `.speed_mps` | required for each fan; without `fans`, none |
+/// | `fans[].from_elevation_deg` | 0° |
+/// | `fans[].to_azimuth_deg`, `.blows_towards_world`, `.program` | `None`, empty |
+/// | `air_density_kg_m3` | 1.2 kg/m³ |
+/// | `name` | `session` |
+/// | `subject`, `rate_hz`, `units`, `up_axis`, `still_frames`, `wind_starts_about_frame` | `None` |
 ///
 /// # Errors
 /// [`SessionError`] with line and column where the text cannot be read, and with the field's path where a value

@@ -1,9 +1,9 @@
 use crate::IngestError;
 use crate::recording::Frames;
 
-/// How many frames may pass, on average, for each row of a file. Memory grows with it; a file that keeps one frame
-/// in a hundred is no capture of motion any more.
-pub(crate) const LARGEST_SPREAD: usize = 100;
+/// How many positions may stand, seen or not, for each byte of a file. Written out, a position takes 10 to 30 bytes:
+/// files that keep one frame in fifty pass, and memory stays within a hundred times the file.
+const MOST_POSITIONS_A_BYTE: usize = 4;
 
 /// Where each row of a file goes in time.
 #[derive(Debug)]
@@ -16,7 +16,12 @@ pub(crate) struct Rows {
 
 impl Rows {
     /// Rows by their frame numbers, which must rise; frames that they skip stay empty.
-    pub fn of(frames: &Frames, warnings: &mut Vec<String>) -> Result<Self, IngestError> {
+    pub fn of(
+        frames: &Frames,
+        n_points: usize,
+        file_len: usize,
+        warnings: &mut Vec<String>,
+    ) -> Result<Self, IngestError> {
         let listed = match frames {
             Frames::From { n_rows, .. } => return Ok(Self { n_frames: *n_rows, frame_of_row: None }),
             Frames::Listed(listed) => listed,
@@ -25,11 +30,11 @@ impl Rows {
             return Err(IngestError::FramesNotRising { frame: pair[1], previous: pair[0] });
         }
         let (first, last, rows) = (frames.first(), frames.last(), listed.len());
-        let span = last.checked_sub(first).and_then(|span| usize::try_from(span).ok());
-        let Some(span) = span.filter(|&span| span < LARGEST_SPREAD.saturating_mul(rows)) else {
+        let span = last.checked_sub(first).and_then(|span| usize::try_from(span).ok()?.checked_add(1));
+        let most_frames = file_len.saturating_mul(MOST_POSITIONS_A_BYTE) / n_points.max(1);
+        let Some(n_frames) = span.filter(|&n_frames| n_frames <= most_frames) else {
             return Err(IngestError::FramesTooFarApart { first, last, rows });
         };
-        let n_frames = span + 1;
         let n_skipped = n_frames - rows;
         warnings.push(format!(
             "the file skips {n_skipped} of the frames {first} to {last}; they count as not seen"
@@ -52,7 +57,7 @@ mod tests {
     #[test]
     fn skipped_frames_leave_room() {
         let mut warnings = Vec::new();
-        let rows = Rows::of(&Frames::listed(vec![7, 8, 11]), &mut warnings).unwrap();
+        let rows = Rows::of(&Frames::listed(vec![7, 8, 11]), 2, 30, &mut warnings).unwrap();
         assert_eq!(rows.n_frames, 5);
         assert_eq!([0, 1, 2].map(|row| rows.frame(row)), [0, 1, 4]);
         assert_eq!(warnings, ["the file skips 2 of the frames 7 to 11; they count as not seen"]);
@@ -60,12 +65,16 @@ mod tests {
 
     #[test]
     fn frames_that_go_back_or_far_away_are_refused() {
-        let error =
-            |frames: Vec<i64>| Rows::of(&Frames::listed(frames), &mut Vec::new()).unwrap_err().to_string();
+        let error = |frames: Vec<i64>| {
+            Rows::of(&Frames::listed(frames), 2, 30, &mut Vec::new()).unwrap_err().to_string()
+        };
         assert_eq!(error(vec![1, 2, 2]), "frame 2 comes after frame 2, expected rising frame numbers");
         assert_eq!(
             error(vec![i64::MIN, i64::MAX]),
-            "found frames -9223372036854775808 to 9223372036854775807 in 2 rows, expected at least one row in 100 frames"
+            "found frames -9223372036854775808 to 9223372036854775807 in 2 rows, expected frames nearer to one another"
         );
+        // Two points in 30 bytes: 60 frames could be there, 61 could not.
+        assert!(Rows::of(&Frames::listed(vec![1, 60]), 2, 30, &mut Vec::new()).is_ok());
+        assert!(Rows::of(&Frames::listed(vec![1, 61]), 2, 30, &mut Vec::new()).is_err());
     }
 }

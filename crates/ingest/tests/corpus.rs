@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 use std::path::PathBuf;
-use tousle_ingest::{CaptureSummary, summarize};
+use tousle_core::{LengthUnit, Trajectory, Vec3};
+use tousle_ingest::{CaptureSummary, IngestOptions, TrajectorySummary, read_capture, summarize};
 
 /// What a file of the corpus must give.
 struct Case {
@@ -127,4 +128,42 @@ fn compare_trajectory(summary: &CaptureSummary, wanted: &Value) -> Result<(), St
         }
     }
     Ok(())
+}
+
+/// What a summary tells and what a capture holds are the same samples: counted through both doors.
+#[test]
+fn summaries_and_captures_agree() {
+    let Some((folder, cases)) = cases() else { return };
+    let options = IngestOptions {
+        unit: Some(LengthUnit::Millimeter),
+        rate_hz: Some(100.0),
+        keep_exact_zeros: true,
+        ..IngestOptions::default()
+    };
+    let (mut n_compared, mut refused) = (0, Vec::new());
+    for case in &cases {
+        let bytes = std::fs::read(folder.join(&case.name)).expect("the file is there");
+        let Ok(summary) = summarize(&bytes) else { continue };
+        let capture = match read_capture(&bytes, &options) {
+            Ok(ingested) => ingested.capture,
+            Err(error) => {
+                refused.push(format!("{}: {error}", case.name));
+                continue;
+            }
+        };
+        let unit = capture.file_unit.unwrap_or(LengthUnit::Millimeter).meters();
+        let same = |t: &&TrajectorySummary, m: &Trajectory| {
+            t.label.trim().ends_with(&m.label) && t.valid == m.track.n_valid()
+        };
+        for marker in capture.trajectories.iter().filter(|m| !m.is_unlabeled()) {
+            let found: Vec<_> = summary.trajectories.iter().filter(|t| same(t, marker)).collect();
+            let Some(mean) = marker.track.mean() else { continue };
+            let is_mean =
+                |t: &&TrajectorySummary| t.mean.is_some_and(|m| (Vec3::from(m) * unit - mean).amax() < 1e-9);
+            assert!(found.iter().any(is_mean), "{}: {}", case.name, marker.label);
+            n_compared += 1;
+        }
+    }
+    println!("{n_compared} markers agree; refused:\n{}", refused.join("\n"));
+    assert!(n_compared > 2000, "{n_compared}");
 }

@@ -65,12 +65,16 @@ fn a_unit_is_never_guessed() {
         "found no unit of length in the file, expected one: pass it (mm, cm, m or in)"
     );
     assert_eq!(
-        error(&strange, &session),
-        "found the unit \"ell\", expected mm, cm, m or in: pass the unit to override the file's"
+        error(&strange, &IngestOptions::default()),
+        "found the unit \"ell\", expected one of length: pass it (mm, cm, m or in)"
+    );
+    assert_eq!(
+        read(&strange, &session).report.warnings[0],
+        "the file's unit \"ell\" is not one of length; read as m, as given"
     );
     assert_eq!(
         read(CSV, &session).report.warnings[0],
-        "the file says mm, the session m; read as the file says"
+        "the file says mm, m was given; read as the file says"
     );
 }
 
@@ -83,10 +87,7 @@ fn a_rate_is_never_guessed() {
     );
     let ingested = read(untitled, &IngestOptions { rate_hz: Some(100.0), ..IngestOptions::default() });
     assert_eq!(ingested.capture.rate_hz, 100.0);
-    assert_eq!(
-        ingested.report.warnings[0],
-        "the file names no frame rate; 100 a second, as the session says"
-    );
+    assert_eq!(ingested.report.warnings[0], "the file names no frame rate; 100 a second, as given");
 }
 
 #[test]
