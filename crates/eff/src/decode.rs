@@ -94,13 +94,28 @@ pub(crate) fn samples(payload: &[u8], place: Place<'_>) -> Result<(Stamp, Vec<Wi
     Ok((Stamp { index: message.index, time_ns: message.time_ns }, samples))
 }
 
+/// Decodes a step of the field and leaves its arrays packed.
+pub(crate) fn packed_step(payload: &[u8], place: Place<'_>) -> Result<FieldStep, Box<Finding>> {
+    from_protobuf(payload, &tags::FIELD_STEP, place)
+}
+
 /// Decodes a step of the field.
 pub(crate) fn step(
     payload: &[u8],
     info: &FieldInfo,
     place: Place<'_>,
 ) -> Result<(Stamp, Field), Vec<Finding>> {
-    let message: FieldStep = from_protobuf(payload, &tags::FIELD_STEP, place).map_err(|f| vec![*f])?;
+    let message = packed_step(payload, place).map_err(|f| vec![*f])?;
+    let stamp = Stamp { index: message.index, time_ns: message.time_ns };
+    Ok((stamp, unpack_step(message, info, place)?))
+}
+
+/// Unpacks the arrays of a step.
+pub(crate) fn unpack_step(
+    message: FieldStep,
+    info: &FieldInfo,
+    place: Place<'_>,
+) -> Result<Field, Vec<Finding>> {
     let dims = info.grid.dims.map(|n| n as usize);
     let n = dims.iter().product();
     let u = message.u.unwrap_or_default();
@@ -115,10 +130,9 @@ pub(crate) fn step(
     });
     let proto::Vector3 { x, y, z } = message.outside.unwrap_or_default();
     findings.extend(check::finite_vector([x, y, z], "outside", place).err().map(|f| *f));
-    let stamp = Stamp { index: message.index, time_ns: message.time_ns };
     match (u, flags, sd.transpose()) {
         (Ok(u), Ok(flags), Ok(sd)) if findings.is_empty() => {
-            Ok((stamp, Field { u, flags, sd, outside: Vec3::new(x, y, z) }))
+            Ok(Field { u, flags, sd, outside: Vec3::new(x, y, z) })
         }
         (u, flags, sd) => {
             findings.extend(u.err().map(|f| *f));

@@ -2,7 +2,7 @@
 //!
 //! An [`Eff`] is wind over time around a head with all that a simulator needs besides. [`write()`] puts it into
 //! an MCAP file, [`read()`] gets it back, [`validate()`] says everything that is wrong with a file, [`inspect()`]
-//! what is in it. [`Writer`] writes and [`Reader`] reads fields of any length, a step at a time. `docs/eff.md` specifies the format,
+//! what is in it, and [`recover()`] saves what is whole in a damaged one. [`Writer`] writes and [`Reader`] reads fields of any length, a step at a time. `docs/eff.md` specifies the format,
 //! so that others can read and write it without this crate.
 //!
 //! *Invariant:* streams in, streams out; paths, clocks and threads stop outside, and the same field gives the
@@ -47,6 +47,7 @@ mod inspect;
 mod read;
 mod reader;
 mod record;
+mod recover;
 mod scan;
 #[cfg(test)]
 mod schemas;
@@ -71,6 +72,7 @@ pub use inspect::{ChannelSize, Coverage, Inspection, inspect};
 pub use manifest::Manifest;
 pub use read::{ReadOptions, read};
 pub use reader::{Part, Reader};
+pub use recover::{Loss, Recovery, recover};
 pub use tousle_core as core;
 pub use tousle_field as field;
 pub use validate::{Validation, validate};

@@ -154,6 +154,11 @@ impl<R: Read + Seek> Reader<R> {
     }
 }
 
+/// Where a file's chunks begin, by its summary.
+pub(crate) fn chunks<R: Read + Seek>(input: &mut R) -> Result<Vec<u64>, EffError> {
+    Ok(Index::read(input)?.chunk_offsets())
+}
+
 /// What is done with a message.
 type Take<'a> = &'a mut dyn FnMut(Message<'_>, Place<'_>) -> Result<(), EffError>;
 

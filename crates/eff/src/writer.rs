@@ -6,16 +6,17 @@ use crate::format::{MAX_CHUNK, PROFILE, STREAMS, Stream, time_ns, topic};
 use crate::manifest::Manifest;
 use crate::wire::edits::Edits;
 use crate::wire::proto;
-use crate::{Attachment, Eff, EffError, check};
+use crate::{Attachment, Eff, EffError, Finding, check};
 pub use head::Head;
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use prost::Message as _;
+use serde::Serialize;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Write;
-use tousle_core::{Progress, WindSample};
-use tousle_field::{Field, GridSpec, Scene};
+use tousle_core::{Pose, Progress, WindSample};
+use tousle_field::{Field, GridSpec};
 
 /// How a field file is written.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,7 +34,7 @@ impl WriteOptions {
 }
 
 /// What was written.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct WriteReport {
     /// The file's length, bytes.
@@ -122,6 +123,11 @@ impl<W: Write> Writer<W> {
         let manifest = head::manifest(head, options.encoding);
         let edits = Edits { layers: head.layers.iter().map(Into::into).collect() };
         head::check(&manifest, &edits, head)?;
+        Self::begin(out, manifest, &edits, &head.scene.poses.poses)
+    }
+
+    /// Begins a file with a manifest that was checked.
+    pub(crate) fn begin(out: W, manifest: Manifest, edits: &Edits, poses: &[Pose]) -> Result<Self, EffError> {
         let mcap_options = mcap::WriteOptions::new()
             .profile(PROFILE)
             .library(concat!("tousle-eff ", env!("CARGO_PKG_VERSION")))
@@ -134,21 +140,21 @@ impl<W: Write> Writer<W> {
         let out = NoSeek::new(Counted { inner: out, n_bytes: 0 });
         let mut writer = Self {
             mcap: Some(mcap_options.create(out)?),
+            encoding: manifest.field.encoding.encoding(),
             manifest,
-            encoding: options.encoding,
             counts: BTreeMap::new(),
             n_open: 0,
             report: WriteReport::default(),
         };
-        writer.channels(!head.layers.is_empty())?;
+        writer.channels(!edits.layers.is_empty())?;
         let payload = serde_json::to_vec(&writer.manifest).map_err(std::io::Error::from)?;
         writer.message(topic::MANIFEST, 0, &payload)?;
-        if !head.layers.is_empty() {
-            let payload = serde_json::to_vec(&edits).map_err(std::io::Error::from)?;
+        if !edits.layers.is_empty() {
+            let payload = serde_json::to_vec(edits).map_err(std::io::Error::from)?;
             writer.message(topic::EDITS, 0, &payload)?;
         }
         writer.close_chunk()?;
-        writer.poses(head.scene)?;
+        writer.poses(poses)?;
         Ok(writer)
     }
 
@@ -170,8 +176,8 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
-    fn poses(&mut self, scene: &Scene) -> Result<(), EffError> {
-        for (k, pose) in scene.poses.poses.iter().enumerate() {
+    fn poses(&mut self, poses: &[Pose]) -> Result<(), EffError> {
+        for (k, pose) in poses.iter().enumerate() {
             let time_ns = step_time("pose", self.manifest.pose.pose_secs(k as u64))?;
             let (translation, rotation) = (pose.translation.vector.into(), pose.rotation.coords.into());
             check::pose(translation, rotation, "", Place::default())
@@ -199,23 +205,14 @@ impl<W: Write> Writer<W> {
             return Err(EffError::bad("steps of samples", index + 1, format!("{expected}, as announced")));
         };
         let time_ns = step_time("samples", info.step_secs(index))?;
-        check::covariances(samples, Place::default()).map_err(|f| {
+        let samples: Vec<_> = samples.iter().map(as_floats).collect();
+        check_samples(&samples).map_err(|f| {
             EffError::bad(format!("samples of step {index}, {}", f.what), f.found, f.expected)
         })?;
         let column = |n: usize, get: &dyn Fn(&WindSample, usize) -> f64| {
             let numbers = (0..n).flat_map(|c| samples.iter().map(move |s| get(s, c) as f32));
             array::pack_f32(&numbers.collect::<Vec<f32>>())
         };
-        for (what, vector) in samples.iter().flat_map(|s| [("position", s.position_m), ("value", s.value)]) {
-            if !vector.iter().all(|c| (*c as f32).is_finite()) {
-                let found = format!("{:?}", vector.as_slice());
-                return Err(EffError::bad(
-                    format!("samples of step {index}, {what}"),
-                    found,
-                    "finite numbers",
-                ));
-            }
-        }
         let message = proto::SampleStep {
             index,
             time_ns,
@@ -233,32 +230,42 @@ impl<W: Write> Writer<W> {
     /// # Errors
     /// [`EffError`] if the stream fails, the step does not fit the grid, or a number cannot be.
     pub fn step(&mut self, step: &Field) -> Result<(), EffError> {
+        self.step_as(step, self.encoding)
+    }
+
+    /// Writes the next step, packed in this way, which must be the manifest's or the one that loses nothing.
+    pub(crate) fn step_as(&mut self, step: &Field, encoding: Encoding) -> Result<(), EffError> {
         let index = self.count(topic::FIELD);
         let info = &self.manifest.field;
-        let time_ns = step_time("field", info.step_secs(index))?;
         let grid = info.grid.spec();
         check_step(step, &grid, index)?;
         let shape = Shape { planes: 3, dims: grid.dims };
-        let u = array::pack(&step.u, shape, self.encoding).map_err(|unpackable| {
+        let u = array::pack(&step.u, shape, encoding).map_err(|unpackable| {
             EffError::bad(format!("step {index}"), unpackable.found, unpackable.expected)
         })?;
-        if self.encoding != Encoding::F32 {
+        if encoding != Encoding::F32 {
             let read = array::unpack(&u, shape, Place::default(), "u")?;
             let errors = read.iter().zip(&step.u).map(|(a, b)| (f64::from(*a) - f64::from(*b)).abs());
             self.report.max_error = errors.fold(self.report.max_error, f64::max);
         }
         let [x, y, z] = step.outside.into();
-        let message = proto::FieldStep {
-            index,
-            time_ns,
+        self.packed_step(proto::FieldStep {
             u: Some(u),
             flags: step.flags.iter().map(|flag| *flag as u8).collect(),
-            sd: step.sd.as_deref().map(|sd| match self.encoding {
+            sd: step.sd.as_deref().map(|sd| match encoding {
                 Encoding::F32 => array::pack_f32(sd),
                 _ => array::pack_f16_if_possible(sd),
             }),
             outside: Some(proto::Vector3 { x, y, z }),
-        };
+            ..proto::FieldStep::default()
+        })
+    }
+
+    /// Writes the next step as it was packed elsewhere, with the index and the time it has here.
+    pub(crate) fn packed_step(&mut self, step: proto::FieldStep) -> Result<(), EffError> {
+        let index = self.count(topic::FIELD);
+        let time_ns = step_time("field", self.manifest.field.step_secs(index))?;
+        let message = proto::FieldStep { index, time_ns, ..step };
         self.close_chunk()?;
         self.message(topic::FIELD, time_ns, &message.encode_to_vec())?;
         self.close_chunk()?;
@@ -372,6 +379,26 @@ fn check_step(step: &Field, grid: &GridSpec, index: u64) -> Result<(), EffError>
         .and_then(|()| check::finite_vector(step.outside.into(), "outside", Place::default()))
         .and_then(|()| step.sd.as_deref().map_or(Ok(()), |sd| check::deviations(sd, Place::default())))
         .map_err(|f| EffError::bad(format!("step {index}, {}", f.what), f.found, f.expected))
+}
+
+/// A sample as the file will have it.
+fn as_floats(sample: &WindSample) -> WindSample {
+    let float = |c: f64| f64::from(c as f32);
+    WindSample {
+        position_m: sample.position_m.map(float),
+        value: sample.value.map(float),
+        covariance: sample.covariance.map(float),
+        ..*sample
+    }
+}
+
+fn check_samples(samples: &[WindSample]) -> Result<(), Box<Finding>> {
+    for (k, sample) in samples.iter().enumerate() {
+        for (what, vector) in [("position_m", sample.position_m), ("value", sample.value)] {
+            check::finite_vector(vector.into(), &format!("{what}[{k}]"), Place::default())?;
+        }
+    }
+    check::covariances(samples, Place::default())
 }
 
 fn step_time(what: &str, secs: f64) -> Result<u64, EffError> {

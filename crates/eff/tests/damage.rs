@@ -14,17 +14,17 @@ fn small_file() -> Vec<u8> {
     bytes
 }
 
-/// One bit of every byte, another one from byte to byte. All of them: `cargo test --release -- --ignored`.
+/// One bit of every seventh byte, another one from byte to byte.
 #[test]
-fn every_flipped_byte_is_noticed() {
+fn flipped_bytes_are_noticed() {
     let mut bytes = small_file();
-    for at in 0..bytes.len() {
+    for at in (0..bytes.len()).step_by(7) {
         flip(&mut bytes, at, at % 8);
     }
 }
 
 #[test]
-#[ignore = "takes a minute; the test above takes one bit of each byte"]
+#[ignore = "takes minutes; the test above takes a bit here and there"]
 fn every_flipped_bit_is_noticed() {
     let mut bytes = small_file();
     for at in 0..bytes.len() {
@@ -42,9 +42,9 @@ fn flip(bytes: &mut [u8], at: usize, bit: usize) {
 }
 
 #[test]
-fn every_cut_is_found() {
+fn cuts_are_found() {
     let bytes = small_file();
-    for length in 0..bytes.len() {
+    for length in (0..bytes.len()).step_by(11) {
         let validation = validate(&bytes[..length]).unwrap();
         assert!(validation.errors().any(|f| f.code == Code::Cut), "{length} {:?}", validation.findings);
         assert!(read(&bytes[..length], &ReadOptions::default()).is_err(), "{length}");

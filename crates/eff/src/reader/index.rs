@@ -34,6 +34,11 @@ impl Index {
         self.channel(topic).and_then(|id| self.counts.get(&id).copied()).unwrap_or(0)
     }
 
+    /// Where all chunks begin.
+    pub fn chunk_offsets(&self) -> Vec<u64> {
+        self.chunks.iter().map(|c| c.offset).collect()
+    }
+
     /// The chunks that hold messages of a channel, in the file's order.
     pub fn chunks_with(&self, channel_id: u16) -> impl Iterator<Item = &ChunkFacts> {
         self.chunks.iter().filter(move |c| c.message_index_offsets.contains_key(&channel_id))

@@ -1,0 +1,248 @@
+use super::Loss;
+use crate::finding::Place as At;
+use crate::format::{STREAMS, topic};
+use crate::manifest::Manifest;
+use crate::record::{self, Message, PREFIX, Record, op};
+use crate::scan::chunk::{InChunk, records_in, unpack};
+use crate::scan::data::Data;
+use crate::scan::source::{Next, Source};
+use crate::scan::{Findings, Listener, at};
+use crate::wire::edits::Edits;
+use crate::{Attachment, Code, EffError, Finding, check, decode};
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{Read, Seek, SeekFrom};
+use tousle_core::Pose;
+
+/// Where a message is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// Where its chunk is in the file.
+    pub chunk: u64,
+    /// Where it is in the unpacked chunk.
+    pub within: u64,
+}
+
+/// Everything that is whole in a file.
+#[derive(Default)]
+pub(super) struct Inventory {
+    pub manifest: Option<Manifest>,
+    pub edits: Option<Edits>,
+    pub poses: BTreeMap<u64, Pose>,
+    pub samples: BTreeMap<u64, Place>,
+    pub steps: BTreeMap<u64, Place>,
+    /// Where the attachments are.
+    pub attachments: Vec<u64>,
+    pub losses: Vec<Loss>,
+}
+
+impl Inventory {
+    /// Goes through a file, whatever state it is in.
+    pub fn take<R: Read + Seek>(input: &mut R) -> Result<Self, EffError> {
+        let mut inventory = Self::default();
+        let mut deaf = Deaf;
+        let mut data = Data::new(&mut deaf);
+        for (offset, opcode) in inventory.records(input)? {
+            match opcode {
+                op::CHUNK => inventory.chunk(input, offset, &mut data)?,
+                op::ATTACHMENT => match attachment(input, offset) {
+                    Ok(_) => inventory.attachments.push(offset),
+                    Err(error) => inventory.lose(format!("the attachment at byte {offset}"), error)?,
+                },
+                _ => {}
+            }
+        }
+        inventory.count();
+        Ok(inventory)
+    }
+
+    /// How many steps the samples have.
+    pub fn n_samples(&self) -> u64 {
+        self.samples.last_key_value().map_or(0, |(last, _)| last + 1)
+    }
+
+    /// Where the records of the data section begin, and of what kind they are.
+    ///
+    /// They are found one after the other. Where a record's length is damaged that thread is lost; if the
+    /// file's end is whole, its chunk index takes it up again.
+    fn records<R: Read + Seek>(&mut self, input: &mut R) -> Result<BTreeSet<(u64, u8)>, EffError> {
+        let length = input.seek(SeekFrom::End(0))?;
+        input.seek(SeekFrom::Start(8))?;
+        let mut records = BTreeSet::new();
+        let mut source = Source::new(input.by_ref());
+        let mut body = Vec::new();
+        loop {
+            match source.next(&mut body)? {
+                Next::Record { opcode: op::DATA_END, .. } => return Ok(records),
+                Next::Record { opcode, offset } if (op::HEADER..=op::DATA_END).contains(&opcode) => {
+                    records.insert((8 + offset, opcode));
+                }
+                Next::Record { opcode: op::PRIVATE.., .. } => {}
+                Next::Record { offset, .. } | Next::End { offset, .. } => {
+                    let lost = length.saturating_sub(8 + offset);
+                    if let Ok(chunks) = crate::reader::chunks(input) {
+                        records.extend(chunks.into_iter().map(|offset| (offset, op::CHUNK)));
+                    } else if lost > 0 {
+                        let what = format!("the last {lost} bytes of the file, from byte {}", 8 + offset);
+                        self.losses.push(Loss { what, why: "no whole record".into() });
+                    } else {
+                        let what = format!("what should follow byte {length}");
+                        self.losses.push(Loss { what, why: "the file was cut between two records".into() });
+                    }
+                    return Ok(records);
+                }
+            }
+        }
+    }
+
+    fn chunk<R: Read + Seek>(
+        &mut self,
+        input: &mut R,
+        offset: u64,
+        data: &mut Data<'_>,
+    ) -> Result<(), EffError> {
+        let unpacked = match chunk(input, offset) {
+            Ok(unpacked) => unpacked,
+            Err(error) => return self.lose(format!("the chunk at byte {offset}"), error),
+        };
+        let mut findings = Findings::all();
+        for InChunk { offset: within, opcode, body } in records_in(&unpacked).flatten() {
+            match record::parse(opcode, body) {
+                Ok(Record::Schema(schema)) => data.schema(schema, body, at(offset), &mut findings),
+                Ok(Record::Channel(channel)) => data.channel(&channel, body, at(offset), &mut findings),
+                Ok(Record::Message(message)) => {
+                    let place = Place { chunk: offset, within };
+                    let topic = STREAMS.iter().map(|s| s.topic);
+                    let topic = topic.into_iter().find(|t| data.channel_of(t) == Some(message.channel_id));
+                    if let Some(topic) = topic
+                        && let Err(finding) = self.message(topic, message, place)
+                    {
+                        self.losses
+                            .push(Loss { what: format!("a message of {topic}"), why: finding.to_string() });
+                    }
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Keeps a message if it is sound.
+    fn message(&mut self, topic: &str, message: Message<'_>, place: Place) -> Result<(), Box<Finding>> {
+        let at = At { channel: None, time_ns: Some(message.log_time), offset: Some(place.chunk) };
+        if topic == topic::MANIFEST {
+            let manifest = decode::manifest(message.data, at).map_err(first)?;
+            sound(|findings| check::manifest(&manifest, at, findings))?;
+            self.manifest.get_or_insert(manifest);
+            return Ok(());
+        }
+        let Some(manifest) = &self.manifest else {
+            return Err(at.finding(Code::Missing, "message", "no manifest before it", "a sound manifest"));
+        };
+        match topic {
+            topic::EDITS => {
+                let edits = decode::edits(message.data, at).map_err(first)?;
+                sound(|findings| check::edits(&edits, at, findings))?;
+                self.edits.get_or_insert(edits);
+            }
+            topic::POSE => {
+                let (stamp, pose) = decode::pose(message.data, at)?;
+                let secs = manifest.pose.pose_secs(stamp.index);
+                sound(|f| check::stamp(stamp, stamp.index, secs, message.log_time, at, f))?;
+                self.poses.insert(stamp.index, pose);
+            }
+            topic::SAMPLES => {
+                let (stamp, _) = decode::samples(message.data, at)?;
+                let secs = manifest.samples.map_or(f64::NAN, |s| s.step_secs(stamp.index));
+                sound(|f| check::stamp(stamp, stamp.index, secs, message.log_time, at, f))?;
+                self.samples.insert(stamp.index, place);
+            }
+            _ => {
+                let (stamp, _) = decode::step(message.data, &manifest.field, at).map_err(first)?;
+                let secs = manifest.field.step_secs(stamp.index);
+                sound(|f| check::stamp(stamp, stamp.index, secs, message.log_time, at, f))?;
+                self.steps.insert(stamp.index, place);
+            }
+        }
+        Ok(())
+    }
+
+    /// Compares what was found with what the manifest announces.
+    fn count(&mut self) {
+        let Some(manifest) = &self.manifest else { return };
+        let samples = manifest.samples.map_or(0, |s| s.n_steps);
+        let counts = [
+            ("poses", self.poses.len() as u64, Some(manifest.pose.n_poses)),
+            ("steps of samples", self.samples.len() as u64, Some(samples)),
+            ("steps of the field", self.steps.len() as u64, manifest.field.n_steps),
+        ];
+        for (what, found, expected) in counts {
+            if let Some(expected) = expected.filter(|e| *e > found) {
+                let what = format!("{} of {expected} {what}", expected - found);
+                self.losses.push(Loss { what, why: format!("{found} are whole") });
+            }
+        }
+    }
+
+    /// Notes a loss; a stream that fails is none.
+    fn lose(&mut self, what: String, error: EffError) -> Result<(), EffError> {
+        match error {
+            EffError::Unsound(finding) => {
+                self.losses.push(Loss { what, why: finding.to_string() });
+                Ok(())
+            }
+            other => Err(other),
+        }
+    }
+}
+
+struct Deaf;
+
+impl Listener for Deaf {}
+
+/// The first error that a check finds.
+fn sound(check: impl FnOnce(&mut Findings)) -> Result<(), Box<Finding>> {
+    let mut findings = Findings::first_error();
+    check(&mut findings);
+    findings.into_first_error().map_or(Ok(()), |finding| Err(Box::new(finding)))
+}
+
+pub(super) fn first(findings: Vec<Finding>) -> Box<Finding> {
+    let finding = findings.into_iter().next().map(Box::new);
+    finding.unwrap_or_else(|| At::default().finding(Code::Record, "message", "something wrong", "nothing"))
+}
+
+/// Reads the record at a place.
+fn record_at<R: Read + Seek>(input: &mut R, offset: u64) -> Result<(u8, Vec<u8>), EffError> {
+    input.seek(SeekFrom::Start(offset))?;
+    let mut body = Vec::new();
+    match Source::new(input).next(&mut body)? {
+        Next::Record { opcode, .. } => Ok((opcode, body)),
+        Next::End { found, .. } => Err(at(offset)
+            .finding(Code::Cut, "record", found, format!("a record of {PREFIX} bytes or more"))
+            .into()),
+    }
+}
+
+/// The records of the chunk at a place, unpacked, if its checksum holds.
+pub(super) fn chunk<R: Read + Seek>(input: &mut R, offset: u64) -> Result<Vec<u8>, EffError> {
+    let (opcode, body) = record_at(input, offset)?;
+    let Ok(Record::Chunk(chunk)) = record::parse(opcode, &body) else {
+        return Err(at(offset).finding(Code::Record, "record", record::name(opcode), "a chunk").into());
+    };
+    let unpacked = unpack(&chunk, at(offset))?;
+    sound(|findings| {
+        let computed = crc32fast::hash(&unpacked);
+        crate::scan::check_crc(Code::ChunkCrc, chunk.uncompressed_crc, computed, at(offset), findings);
+    })?;
+    Ok(unpacked)
+}
+
+/// The attachment at a place, if its checksum holds.
+pub(super) fn attachment<R: Read + Seek>(input: &mut R, offset: u64) -> Result<Attachment, EffError> {
+    let (opcode, body) = record_at(input, offset)?;
+    let Ok(Record::Attachment(a)) = record::parse(opcode, &body) else {
+        return Err(at(offset).finding(Code::Record, "record", record::name(opcode), "an attachment").into());
+    };
+    sound(|f| crate::scan::check_crc(Code::AttachmentCrc, a.crc, a.computed_crc, at(offset), f))?;
+    Ok(Attachment { name: a.name.to_owned(), media_type: a.media_type.to_owned(), bytes: a.data.to_vec() })
+}

@@ -1,0 +1,164 @@
+//! Whatever happens to a file, every whole step of it is saved.
+
+#![allow(clippy::unwrap_used)]
+
+mod arbitrary;
+
+use arbitrary::small;
+use std::io::Cursor;
+use tousle_core::NoProgress;
+use tousle_eff::{Eff, Encoding, ReadOptions, Recovery, WriteOptions, read, recover, validate, write};
+use tousle_field::VoxelFlag;
+
+fn small_file(options: &WriteOptions) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write(&small(), &mut bytes, options, &NoProgress).unwrap();
+    bytes
+}
+
+/// What is saved of some bytes, in a file that is sound.
+fn saved(bytes: &[u8]) -> Option<(Recovery, Vec<u8>)> {
+    let mut out = Vec::new();
+    let recovery = recover(Cursor::new(bytes), &mut out, &NoProgress).ok()?;
+    let validation = validate(&out[..]).unwrap();
+    assert!(validation.is_sound, "{:#?}", validation.findings);
+    Some((recovery, out))
+}
+
+fn content(bytes: &[u8]) -> Eff {
+    read(bytes, &ReadOptions::default()).unwrap()
+}
+
+/// Opcode and end of each record of the data section, by the record structure: opcode, length, content.
+fn records(bytes: &[u8]) -> Vec<(u8, usize)> {
+    let mut records = Vec::new();
+    let mut at = 8;
+    while records.last().is_none_or(|(opcode, _)| *opcode != 0x0f) {
+        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
+        records.push((bytes[at], at + 9 + length));
+        at += 9 + length;
+    }
+    records
+}
+
+/// Where the chunks of steps end. Manifest with edits, poses and samples have one each; the rest are steps.
+fn ends_of_steps(bytes: &[u8]) -> Vec<usize> {
+    records(bytes).into_iter().filter(|(opcode, _)| *opcode == 0x06).skip(3).map(|(_, end)| end).collect()
+}
+
+#[test]
+fn a_whole_file_is_saved_whole() {
+    for encoding in [Encoding::F32, Encoding::F16, Encoding::Fixed { max_error: 1e-3 }] {
+        let bytes = small_file(&WriteOptions::with_encoding(encoding));
+        let (recovery, out) = saved(&bytes).unwrap();
+        assert!(recovery.is_complete(), "{:?}", recovery.losses);
+        assert_eq!(out, bytes, "{encoding:?}");
+    }
+}
+
+/// Every cut among the steps, and some elsewhere.
+#[test]
+fn cuts_save_every_whole_step() {
+    let bytes = small_file(&WriteOptions::default());
+    let ends = ends_of_steps(&bytes);
+    let among_steps = ends[0] - 300..ends[4] + 20;
+    cuts_save(&bytes, (0..bytes.len()).filter(|cut| cut % 41 == 0 || among_steps.contains(cut)));
+}
+
+#[test]
+#[ignore = "takes a minute; the test above takes all cuts that matter"]
+fn every_cut_saves_every_whole_step() {
+    let bytes = small_file(&WriteOptions::default());
+    cuts_save(&bytes, 0..bytes.len());
+}
+
+fn cuts_save(bytes: &[u8], cuts: impl Iterator<Item = usize>) {
+    let ends = ends_of_steps(bytes);
+    assert_eq!(ends.len(), 5);
+    for length in cuts {
+        let n_whole = ends.iter().filter(|end| **end <= length).count();
+        let Some((recovery, out)) = saved(&bytes[..length]) else {
+            assert_eq!(n_whole, 0, "{length}");
+            continue;
+        };
+        assert_eq!(recovery.n_steps, n_whole as u64, "{length}");
+        assert_eq!(recovery.n_steps_expected, Some(5));
+        // A cut in the summary, which only repeats, loses nothing.
+        let loses_data = length < records(bytes).last().unwrap().1;
+        assert_eq!(recovery.is_complete(), !loses_data, "{length} {recovery:?}");
+        assert!(recovery.bridged.is_empty());
+        // Reading it again at every cut would only take time.
+        if ends.contains(&length) {
+            let (found, whole) = (content(&out), small());
+            assert_eq!(found.field.steps, whole.field.steps[..n_whole]);
+            assert_eq!((found.scene, found.samples), (whole.scene, whole.samples));
+            assert_eq!(found.attachments, whole.attachments);
+        }
+    }
+}
+
+#[test]
+fn a_step_lost_in_the_middle_is_bridged_and_named() {
+    let mut bytes = small_file(&WriteOptions::default());
+    let ends = ends_of_steps(&bytes);
+    bytes[ends[2] - 10] ^= 1;
+    let (recovery, out) = saved(&bytes).unwrap();
+    assert_eq!(recovery.bridged, [2]);
+    assert_eq!(recovery.n_steps, 5);
+    assert!(recovery.losses[0].why.contains("chunk-crc") || recovery.losses[0].why.contains("compression"));
+    let (found, whole) = (content(&out).field, small().field);
+    for k in [0, 1, 3, 4] {
+        assert_eq!(found.steps[k], whole.steps[k]);
+    }
+    assert!((found.steps[2].vector(5) - whole.steps[2].vector(5)).norm() < 1e-6);
+    assert!(!found.steps[2].flags.contains(&VoxelFlag::Measured));
+}
+
+#[test]
+fn steps_lost_at_the_start_move_the_start() {
+    let mut bytes = small_file(&WriteOptions::default());
+    let first_end = ends_of_steps(&bytes)[0];
+    bytes[first_end - 10] ^= 1;
+    let (recovery, out) = saved(&bytes).unwrap();
+    assert_eq!((recovery.first_step, recovery.n_steps), (1, 4));
+    let found = content(&out).field;
+    assert_eq!(found.start_secs, 1.0 / 30.0);
+    assert_eq!(found.steps, small().field.steps[1..]);
+}
+
+/// A length that leads astray costs one record: the chunk index at the end leads back.
+#[test]
+fn a_lost_thread_is_taken_up_again() {
+    let mut bytes = small_file(&WriteOptions::default());
+    let ends = ends_of_steps(&bytes);
+    let chunk_2 = (ends[1]..ends[2]).find(|at| bytes[*at] == 0x06).unwrap();
+    bytes[chunk_2 + 3] ^= 0x40;
+    let (recovery, _) = saved(&bytes).unwrap();
+    assert_eq!((recovery.n_steps, &recovery.bridged[..]), (5, &[2][..]));
+}
+
+#[test]
+fn without_a_manifest_nothing_can_be_saved() {
+    let bytes = small_file(&WriteOptions::default());
+    let mut damaged = bytes.clone();
+    damaged[200] ^= 1;
+    let error = recover(Cursor::new(&damaged), Vec::new(), &NoProgress).unwrap_err().to_string();
+    assert!(error.starts_with("missing: manifest: found none (the chunk at byte"), "{error}");
+    for bytes in [&b""[..], b"\x89MCAP0\r\n", b"nothing like it, and a little longer"] {
+        assert!(recover(Cursor::new(bytes), Vec::new(), &NoProgress).is_err());
+    }
+}
+
+#[test]
+fn no_flipped_bit_stops_it_from_saving_the_rest() {
+    let mut bytes = small_file(&WriteOptions::default());
+    let ends = ends_of_steps(&bytes);
+    let after_manifest = records(&bytes).into_iter().find(|(opcode, _)| *opcode == 0x06).unwrap().1;
+    for at in (after_manifest..ends[4]).step_by(5) {
+        bytes[at] ^= 1 << (at % 8);
+        if let Some((recovery, _)) = saved(&bytes) {
+            assert!(recovery.n_steps >= 4, "{at}: {recovery:?}");
+        }
+        bytes[at] ^= 1 << (at % 8);
+    }
+}
