@@ -157,3 +157,62 @@ pub(crate) fn labels_and_kinds(parameters: &Parameters, n_points: usize) -> (Vec
     let kinds = label::kinds(parameters, &labels, n_points);
     (labels, kinds)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Group, Parameter, Value};
+
+    fn group(name: &str, parameters: &[(&str, &[u8], Value)]) -> Parameters {
+        let parameter = |(name, dimensions, value): &(&str, &[u8], Value)| Parameter {
+            name: (*name).into(),
+            description: String::new(),
+            locked: false,
+            dimensions: dimensions.to_vec(),
+            value: value.clone(),
+        };
+        let parameters = parameters.iter().map(parameter).collect();
+        Parameters { groups: vec![Group { name: name.into(), parameters, ..Group::default() }] }
+    }
+
+    fn text(letters: &str) -> Value {
+        Value::Text(letters.as_bytes().to_vec())
+    }
+
+    #[test]
+    fn events_are_as_many_as_are_described() {
+        let found = events(&group(
+            "EVENT",
+            &[
+                ("USED", &[], Value::Integers(vec![9])),
+                ("LABELS", &[4, 2], text("Off On  ")),
+                ("CONTEXTS", &[5, 1], text("Left ")),
+                ("TIMES", &[2, 1], Value::Floats(vec![1.0, 2.5])),
+            ],
+        ));
+        let event = |label: &str, context: &str, time_secs| Event {
+            label: label.into(),
+            context: context.into(),
+            time_secs,
+        };
+        assert_eq!(found, [event("Off", "Left", Some(62.5)), event("On", "", None)]);
+    }
+
+    #[test]
+    fn channels_by_what_divides_the_words() {
+        let used = |n| group("ANALOG", &[("USED", &[], Value::Integers(vec![n]))]);
+        let channels = |found: Analog| (found.n_channels, found.n_samples_per_frame);
+        assert_eq!(channels(analog(&used(16), 112, 1)), (16, 7));
+        assert_eq!(channels(analog(&used(15), 112, 7)), (16, 7));
+        assert_eq!(channels(analog(&Parameters::default(), 6, 0)), (6, 1));
+        assert_eq!(channels(analog(&used(3), 0, 5)), (0, 0));
+    }
+
+    #[test]
+    fn who_wrote_the_file() {
+        let both =
+            group("MANUFACTURER", &[("COMPANY", &[5], text("Vicon")), ("SOFTWARE", &[6], text("Nexus "))]);
+        assert_eq!(manufacturer(&both).as_deref(), Some("Vicon Nexus"));
+        assert_eq!(manufacturer(&Parameters::default()), None);
+    }
+}

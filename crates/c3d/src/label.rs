@@ -70,3 +70,32 @@ fn own_kinds(parameters: &Parameters) -> impl Iterator<Item = (String, PointKind
 const NOT_A_KIND: [&str; 3] = ["", "LABELS", "DESCRIPTIONS"];
 /// Entries of one array; more would be no table of pairs.
 const MAX_OWN_KINDS: usize = 255;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Group, Parameter, Value};
+
+    #[test]
+    fn a_point_is_what_the_first_list_that_has_it_says() {
+        let list = |name: &str, labels: &str| Parameter {
+            name: name.into(),
+            description: String::new(),
+            locked: false,
+            dimensions: vec![4, (labels.len() / 4) as u8],
+            value: Value::Text(labels.as_bytes().to_vec()),
+        };
+        let lists = vec![
+            list("TYPE_GROUPS", "ODD Odd "),
+            list("ODD", "CoM Hip "),
+            list("ANGLES", "Hip "),
+            list("ANGLES2", "KneeLFHD"),
+        ];
+        let group = Group { name: "POINT".into(), parameters: lists, ..Group::default() };
+        let labels = ["LFHX", "Hip", "Knee", "CoM"].map(str::to_owned);
+        let found = kinds(&Parameters { groups: vec![group] }, &labels, 5);
+        let expected =
+            [PointKind::Marker, PointKind::Angle, PointKind::Angle, PointKind::Other, PointKind::Marker];
+        assert_eq!(found, expected);
+    }
+}

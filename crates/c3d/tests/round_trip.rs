@@ -151,6 +151,10 @@ mod refused {
         assert!(matches!(write(&trial(), &two), Err(WriteError::FrameCount { found: 2, expected: 1 })));
         let wide = vec![vec![None; 2]];
         assert!(matches!(write(&trial(), &wide), Err(WriteError::PointCount { found: 2, expected: 1, .. })));
+        assert!(matches!(
+            Writer::new(Vec::new(), &Trial { n_frames: 65_536, labels: vec![], ..trial() }),
+            Err(WriteError::TooLarge { found: 65_536, .. })
+        ));
         let empty = Trial { n_frames: 0, ..trial() };
         assert!(matches!(write(&empty, &none), Err(WriteError::NoFrames)));
     }
@@ -195,6 +199,9 @@ mod refused {
         }
         assert!(matches!(with("A", "B", &[2], one()), WriteError::Shape { found: 1, expected: 2, .. }));
         assert!(matches!(with("A", "", &[], one()), WriteError::Text { .. }));
+        let nameless = Group { description: "of nothing".into(), ..Group::default() };
+        let parameters = Parameters { groups: vec![nameless] };
+        assert!(matches!(refusal(|t| t.parameters = parameters), WriteError::Text { .. }));
         assert!(matches!(with("A", "B\n", &[], one()), WriteError::Text { .. }));
         let large = Value::Floats(vec![0.0; 255 * 255]);
         assert!(matches!(with("A", "B", &[255, 255], large), WriteError::TooLarge { .. }));

@@ -49,7 +49,7 @@ impl<W: Write> Writer<W> {
     /// If the trial says what the format cannot hold, or if writing fails.
     pub fn new(mut inner: W, trial: &Trial) -> Result<Self, WriteError> {
         let section = parameters::section(trial)?;
-        inner.write_all(&header::block(trial, &section)?)?;
+        inner.write_all(&header::block(trial, &section))?;
         inner.write_all(&section.bytes)?;
         Ok(Self {
             inner,

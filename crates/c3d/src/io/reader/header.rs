@@ -157,6 +157,7 @@ fn makes_sense(header: &Header) -> bool {
         && header.first_frame <= header.last_frame
 }
 
+/// Source: Motion Lab Systems, "The C3D File Format: A Technical User Guide", "Header Section" and "Header Events".
 fn parse_header(block: &[u8; BLOCK as usize], processor: Processor) -> Header {
     // Words are counted from 1 in every description of the format.
     let word = |n: usize| processor.read_u16([block[2 * n - 2], block[2 * n - 1]]);
@@ -182,4 +183,56 @@ fn parse_header(block: &[u8; BLOCK as usize], processor: Processor) -> Header {
 /// Word 150 is 12345 if the header has events, 18 at most.
 fn event_count(key: u16, count: u16) -> usize {
     if key == 12345 { usize::from(count).min(18) } else { 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A header with the numbers of its places: 39 points, 4 analog words, frames 3 to 1094, floats, data in block 8.
+    fn block() -> [u8; BLOCK as usize] {
+        let mut block = [0; BLOCK as usize];
+        block[..24].copy_from_slice(&[
+            2, 0x50, 39, 0, 4, 0, 3, 0, 0x46, 0x04, 10, 0, // up to the longest gap that was filled
+            0, 0, 0x80, 0xbf, 8, 0, 2, 0, 0, 0, 0x48, 0x42, // scale -1, data, analog samples, rate 50
+        ]);
+        block
+    }
+
+    #[test]
+    fn words_are_where_the_guide_puts_them() {
+        let expected = Header {
+            parameter_block: 2,
+            n_points: 39,
+            analog_words: 4,
+            first_frame: 3,
+            last_frame: 1094,
+            max_gap: 10,
+            scale: -1.0,
+            data_block: 8,
+            analog_samples: 2,
+            rate_hz: 50.0,
+            events: Vec::new(),
+        };
+        assert_eq!(parse_header(&block(), Processor::Intel), expected);
+    }
+
+    #[test]
+    fn header_events() {
+        let mut block = block();
+        block[298..302].copy_from_slice(&[0x39, 0x30, 2, 0]); // 12345 and two events
+        block[304..312].copy_from_slice(&[0, 0, 0, 0x3f, 0, 0, 0x80, 0x3f]); // at 0.5 and 1 s
+        block[396..404].copy_from_slice(b"LHS RTO\0");
+        let events = parse_header(&block, Processor::Intel).events;
+        assert_eq!(events, [("LHS".to_owned(), 0.5), ("RTO".to_owned(), 1.0)]);
+        block[298] = 0;
+        assert!(parse_header(&block, Processor::Intel).events.is_empty());
+    }
+
+    #[test]
+    fn a_header_makes_sense_for_one_processor() {
+        assert!(makes_sense(&parse_header(&block(), Processor::Intel)));
+        assert!(!makes_sense(&parse_header(&block(), Processor::Dec)));
+        assert!(!makes_sense(&parse_header(&block(), Processor::Mips)));
+    }
 }

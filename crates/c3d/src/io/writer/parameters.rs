@@ -41,6 +41,11 @@ fn check(trial: &Trial) -> Result<(), WriteError> {
     if trial.n_frames == 0 {
         return Err(WriteError::NoFrames);
     }
+    if trial.labels.is_empty() && trial.n_frames > 0xffff {
+        // Nothing in the file would bear out so many.
+        let found = trial.n_frames as u64;
+        return Err(WriteError::TooLarge { what: "the frames without points", found, limit: 0xffff });
+    }
     let numbers =
         [("the scale", trial.scale, trial.scale > 0.0), ("the rate", trial.rate_hz, trial.rate_hz >= 0.0)];
     for (name, value, makes_sense) in numbers {
@@ -66,8 +71,8 @@ fn records(groups: &[Group], trial: &Trial) -> Result<Vec<u8>, WriteError> {
             found: groups.len() as u64,
             limit: 127,
         })?;
-        // A group without a name was never defined in the file it comes from; a record needs a name.
-        if !group.name.is_empty() {
+        // A group that was never named in the file it comes from has no record of its own.
+        if !group.name.is_empty() || group.locked || !group.description.is_empty() {
             record::push_group(&mut bytes, group_id, group, trial.processor)?;
         }
         for parameter in &group.parameters {

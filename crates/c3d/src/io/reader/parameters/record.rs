@@ -32,6 +32,8 @@ impl Content {
 
 /// Reads the record at `at`; `None` where the section ends, marked by a name of no letters.
 ///
+/// Source: Motion Lab Systems, "The C3D File Format: A Technical User Guide", "Group Format" and "Parameter Format".
+///
 /// # Errors
 /// What is wrong, if no record can be there.
 pub(super) fn read(section: &[u8], at: usize, processor: Processor) -> Result<Option<Record>, &'static str> {
@@ -121,12 +123,64 @@ impl<'a> Bytes<'a> {
         let start = self.at;
         let text = self.byte().and_then(|length| self.take(usize::from(length)));
         match text {
-            Some(text) if self.at <= next || next <= start => trimmed_text(text),
+            Some(text) if self.at <= next || next < start => trimmed_text(text),
             Some(_) => String::new(),
             None => {
                 self.at = start;
                 String::new()
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn content(section: &[u8]) -> Content {
+        read(section, 0, Processor::Intel).unwrap().unwrap().content
+    }
+
+    #[test]
+    fn a_group_and_where_it_ends() {
+        // Name of 5 letters, group 1 by its negative, pointer over itself and 1 + 2 letters of description.
+        let bytes = [&[5, 0xff][..], b"POINT", &[5, 0, 2], b"3D", &[99]].concat();
+        let record = read(&bytes, 0, Processor::Intel).unwrap().unwrap();
+        assert_eq!((record.pointer_at, record.pointer, record.end), (7, [5, 0], 12));
+        let Content::Group(1, group) = record.content else { panic!("a group") };
+        assert_eq!((group.name.as_str(), group.description.as_str(), group.locked), ("POINT", "3D", false));
+    }
+
+    #[test]
+    fn a_locked_table_of_integers() {
+        // Length -4, group 2, a table of 2 by 1 integers: 7 and -1.
+        let bytes = [&[0xfc, 2][..], b"USED", &[11, 0, 2, 2, 2, 1, 7, 0, 0xff, 0xff, 0]].concat();
+        let Content::Parameter(2, parameter) = content(&bytes) else { panic!("a parameter") };
+        assert!(parameter.locked);
+        assert_eq!((parameter.dimensions, parameter.value), (vec![2, 1], Value::Integers(vec![7, -1])));
+    }
+
+    #[test]
+    fn a_missing_length_of_description() {
+        // The pointer ends with the value; the next record's name is 9 letters long, which is no description.
+        let bytes = [&[1, 1][..], b"X", &[5, 0, 1, 0, 42, 9, 1], b"NEXT NAME"].concat();
+        let record = read(&bytes, 0, Processor::Intel).unwrap().unwrap();
+        let Content::Parameter(1, parameter) = record.content else { panic!("a parameter") };
+        assert_eq!((parameter.value, parameter.description.as_str()), (Value::Bytes(vec![42]), ""));
+        assert_eq!(record.values_end, 8);
+    }
+
+    #[test]
+    fn what_is_no_record() {
+        let error = |bytes: &[u8]| read(bytes, 0, Processor::Intel).err();
+        assert!(matches!(read(&[0, 1, 2], 0, Processor::Intel), Ok(None)));
+        assert_eq!(error(&[]), Some("the section ends without an end mark"));
+        assert_eq!(error(&[1, 0, b'X', 0, 0]), Some("a record with group number 0"));
+        assert_eq!(error(&[1, 1, 7, 0, 0]), Some("a record whose name is no text"));
+        assert_eq!(error(&[1, 1, b'X', 5, 0, 3, 0, 42]), Some("a parameter of unknown type"));
+        assert_eq!(error(&[1, 1, b'X', 5, 0, 4, 1, 1, 0, 0, 0]), Some(CUT));
+        // A product of dimensions beyond any number asks for no memory.
+        let huge = [&[1, 1, b'X', 5, 0, 4, 200][..], &[255; 200]].concat();
+        assert_eq!(error(&huge), Some(CUT));
     }
 }
