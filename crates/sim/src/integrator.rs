@@ -1,5 +1,8 @@
+use serde::Serialize;
+
 /// How E1 is stepped through time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Integrator {
     /// Symplectic Euler: first the rates from the old angles, then the angles from the new rates.

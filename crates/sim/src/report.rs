@@ -1,4 +1,5 @@
 use crate::Integrator;
+use serde::Serialize;
 use tousle_core::{Assumption, StrandMotion};
 
 /// What a simulation gives.
@@ -11,7 +12,7 @@ pub struct Simulation {
 }
 
 /// How a simulation came about.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SimReport {
     /// How the equations were stepped.
     pub integrator: Integrator,
@@ -32,7 +33,7 @@ pub struct SimReport {
 }
 
 /// One term of the equations in this run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlanEntry {
     /// The term: `gravity`, `wind`, `head movement`, `spring`, `collision`, …
     pub term: String,
