@@ -1,0 +1,68 @@
+use tousle_core::GroomError;
+
+use crate::GroomFormat;
+
+/// Why a groom cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GroomReadError {
+    /// The bytes are in no format that is known here.
+    #[error(
+        "found bytes that start with {start:?}, expected a groom: JSON, .hair, .data, .bin, .ply or .usda"
+    )]
+    UnknownFormat {
+        /// How the bytes start.
+        start: String,
+    },
+    /// The format is known and not read.
+    #[error("found {found}, which is not read; {advice}")]
+    Unsupported {
+        /// The format.
+        found: &'static str,
+        /// What to do instead.
+        advice: &'static str,
+    },
+    /// JSON that is not what it should be.
+    #[error("JSON groom, line {line}, column {column}: {problem}")]
+    Json {
+        /// The line, from 1.
+        line: usize,
+        /// The column, from 1.
+        column: usize,
+        /// What is wrong there.
+        problem: String,
+    },
+    /// The file does not hold together.
+    #[error("{format} groom, {place}: found {found}, expected {expected}")]
+    Malformed {
+        /// The format.
+        format: GroomFormat,
+        /// Where: a byte offset, a line, a strand.
+        place: String,
+        /// What is there.
+        found: String,
+        /// What should be.
+        expected: String,
+    },
+    /// The format does not say where or how large things are, and the caller did not either.
+    #[error("a {format} groom states no {what}: pass {pass}")]
+    NotStated {
+        /// The format.
+        format: GroomFormat,
+        /// What it does not state.
+        what: &'static str,
+        /// What the caller can give.
+        pass: &'static str,
+    },
+    /// The groom cannot be put where it should go.
+    #[error("cannot place the groom: found {found}, expected {expected}")]
+    Placement {
+        /// What is there.
+        found: String,
+        /// What should be.
+        expected: &'static str,
+    },
+    /// What came out cannot be simulated.
+    #[error(transparent)]
+    Groom(#[from] GroomError),
+}

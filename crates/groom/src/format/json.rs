@@ -1,0 +1,226 @@
+//! Tousle's own groom: a list of strands, each with its rest curve and, if known, what it is made of.
+//!
+//! Head space, m, root first. Only `rest_curve_m` must be there; the crate's documentation has an example.
+
+use std::collections::BTreeSet;
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
+use tousle_core::{UpAxis, Vec3};
+
+use super::GroomFormat;
+use crate::error::GroomReadError;
+use crate::raw::{RawGroom, RawStrand};
+
+pub(super) fn read(text: &[u8]) -> Result<RawGroom, GroomReadError> {
+    let file: File = serde_json::from_slice(text).map_err(|error| describe(text, &error))?;
+    let mut names = BTreeSet::new();
+    for (k, strand) in file.strands.iter().enumerate() {
+        if let Some(name) = strand.raw.name.as_ref().filter(|name| !names.insert(name.as_str())) {
+            return Err(GroomReadError::Malformed {
+                format: GroomFormat::Json,
+                place: format!("strand {} of {}", k + 1, file.strands.len()),
+                found: format!("the name {name:?} a second time"),
+                expected: "each name once".to_owned(),
+            });
+        }
+    }
+    let unknown: BTreeSet<&str> = file.unknown.iter().map(String::as_str).collect();
+    let in_strands: BTreeSet<&str> =
+        file.strands.iter().flat_map(|s| s.unknown.iter().map(String::as_str)).collect();
+    let mut warnings = Vec::new();
+    for (what, unknown) in [("the groom", unknown), ("strands", in_strands)] {
+        if !unknown.is_empty() {
+            let unknown: Vec<&str> = unknown.into_iter().collect();
+            warnings.push(format!("fields of {what} that mean nothing here: {}", unknown.join(", ")));
+        }
+    }
+    Ok(RawGroom {
+        unit_m: Some(1.0),
+        up_axis: Some(UpAxis::Z),
+        is_head_space: true,
+        strands: file.strands.into_iter().map(|s| s.raw).collect(),
+        warnings,
+    })
+}
+
+/// An error with its place, and plainly where Python's or JavaScript's not-a-number is what stands there.
+fn describe(text: &[u8], error: &serde_json::Error) -> GroomReadError {
+    let (line, column) = (error.line(), error.column());
+    let (start, word) = word_at(text, line, column);
+    if ["NaN", "nan", "Infinity", "-Infinity", "inf", "-inf"].contains(&word) {
+        let problem = format!("found {word}, expected a finite number");
+        return GroomReadError::Json { line, column: start, problem };
+    }
+    let message = error.to_string();
+    let place = format!(" at line {line} column {column}");
+    let problem = message.strip_suffix(&place).unwrap_or(&message).to_owned();
+    GroomReadError::Json { line, column, problem }
+}
+
+/// The word around a place, and the column where it starts, from 1. The parser may stop anywhere in it.
+fn word_at(text: &[u8], line: usize, column: usize) -> (usize, &str) {
+    let line = text.split(|b| *b == b'\n').nth(line.saturating_sub(1)).unwrap_or_default();
+    let is_part = |b: &u8| b.is_ascii_alphanumeric() || *b == b'-';
+    let (before, after) = line.split_at(column.saturating_sub(1).min(line.len()));
+    let start = before.len() - before.iter().rev().take_while(|b| is_part(b)).count();
+    let end = before.len() + after.iter().take_while(|b| is_part(b)).count();
+    (start + 1, str::from_utf8(&line[start..end]).unwrap_or_default())
+}
+
+/// The file's top object.
+struct File {
+    strands: Vec<Strand>,
+    unknown: Vec<String>,
+}
+
+/// One strand, and its fields that mean nothing.
+#[derive(Default)]
+struct Strand {
+    raw: RawStrand,
+    unknown: Vec<String>,
+}
+
+impl<'de> Deserialize<'de> for File {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(FileVisitor)
+    }
+}
+
+struct FileVisitor;
+
+impl<'de> Visitor<'de> for FileVisitor {
+    type Value = File;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object with a list of `strands`")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<File, A::Error> {
+        let mut strands = None;
+        let mut unknown = Vec::new();
+        while let Some(key) = map.next_key::<String>()? {
+            match key.as_str() {
+                "strands" => set(&mut strands, "strands", map.next_value()?)?,
+                "note" => drop(map.next_value::<IgnoredAny>()?),
+                _ => {
+                    map.next_value::<IgnoredAny>()?;
+                    unknown.push(key);
+                }
+            }
+        }
+        Ok(File { strands: strands.ok_or_else(|| A::Error::missing_field("strands"))?, unknown })
+    }
+}
+
+impl<'de> Deserialize<'de> for Strand {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(StrandVisitor)
+    }
+}
+
+struct StrandVisitor;
+
+impl<'de> Visitor<'de> for StrandVisitor {
+    type Value = Strand;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a strand: an object with `rest_curve_m`")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Strand, A::Error> {
+        let mut strand = Strand::default();
+        let raw = &mut strand.raw;
+        let mut points: Option<Vec<[f64; 3]>> = None;
+        while let Some(key) = map.next_key::<String>()? {
+            match key.as_str() {
+                "name" => set(&mut raw.name, "name", map.next_value()?)?,
+                "rest_curve_m" => set(&mut points, "rest_curve_m", map.next_value()?)?,
+                "length_m" => set(&mut raw.length, "length_m", map.next_value()?)?,
+                "lock_width_m" => set(&mut raw.lock_width_m, "lock_width_m", map.next_value()?)?,
+                "linear_density_kg_per_m" => {
+                    set(&mut raw.linear_density_kg_per_m, "linear_density_kg_per_m", map.next_value()?)?;
+                }
+                "bending_stiffness_N_m2" => {
+                    set(&mut raw.bending_stiffness_n_m2, "bending_stiffness_N_m2", map.next_value()?)?;
+                }
+                "internal_damping_time_s" => {
+                    set(&mut raw.internal_damping_secs, "internal_damping_time_s", map.next_value()?)?;
+                }
+                _ => {
+                    map.next_value::<IgnoredAny>()?;
+                    strand.unknown.push(key);
+                }
+            }
+        }
+        let points = points.ok_or_else(|| A::Error::missing_field("rest_curve_m"))?;
+        raw.points = points.into_iter().map(Vec3::from).collect();
+        Ok(strand)
+    }
+}
+
+/// Fills a field that must not be there twice.
+fn set<T, E: Error>(field: &mut Option<T>, name: &'static str, value: T) -> Result<(), E> {
+    match field.replace(value) {
+        None => Ok(()),
+        Some(_) => Err(E::duplicate_field(name)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_fields_and_none() {
+        let raw = read(
+            br#"{"note": "x", "made_by": 1, "strands": [
+                {"name": "B01", "length_m": 0.2, "linear_density_kg_per_m": 0.001, "lock_width_m": 0.004,
+                 "bending_stiffness_N_m2": 1e-6, "internal_damping_time_s": 0.02, "lock_widht_m": 1, "color": [1],
+                 "rest_curve_m": [[0, 0, 0], [0, 0, -0.1]]},
+                {"rest_curve_m": [[1, 0, 0], [1, 0, -1]]}]}"#,
+        )
+        .unwrap();
+        let first = &raw.strands[0];
+        assert_eq!(first.name.as_deref(), Some("B01"));
+        assert_eq!((first.length, first.lock_width_m), (Some(0.2), Some(0.004)));
+        assert_eq!(first.linear_density_kg_per_m, Some(0.001));
+        assert_eq!((first.bending_stiffness_n_m2, first.internal_damping_secs), (Some(1e-6), Some(0.02)));
+        assert_eq!(raw.strands[1].points[1], Vec3::new(1.0, 0.0, -1.0));
+        assert_eq!(raw.strands[1].lock_width_m, None);
+        assert_eq!(
+            raw.warnings,
+            [
+                "fields of the groom that mean nothing here: made_by",
+                "fields of strands that mean nothing here: color, lock_widht_m"
+            ]
+        );
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_place() {
+        let strand =
+            |fields: &str| format!("{{\"strands\": [\n{{\"rest_curve_m\": [[0,0,0],[0,0,1]]{fields}}}]}}");
+        for (text, says) in [
+            (strand(", \"length_m\": NaN"), "line 2, column 49: found NaN, expected a finite number"),
+            (strand(", \"length_m\": -Infinity"), "line 2, column 49: found -Infinity, expected a finite"),
+            (strand(", \"length_m\": 1e999"), "line 2, column 53: number out of range"),
+            (strand(", \"length_m\": \"0.1\""), "invalid type: string \"0.1\", expected f64"),
+            (strand(", \"length_m\": 1, \"length_m\": 2"), "duplicate field `length_m`"),
+            (strand("").replace("[0,0,1]", "[0,1]"), "invalid length 2, expected an array of length 3"),
+            (strand("").replace("rest_curve_m", "rest"), "missing field `rest_curve_m`"),
+            ("{}".into(), "line 1, column 2: missing field `strands`"),
+            ("[]".into(), "expected an object with a list of `strands`"),
+            (strand("}, {\"name\": \"a\""), "missing field `rest_curve_m`"),
+            (
+                strand(", \"name\": \"a\"}, {\"name\": \"a\", \"rest_curve_m\": []"),
+                "the name \"a\" a second time",
+            ),
+            ("{\"strands\": [".into(), "EOF while parsing"),
+        ] {
+            let error = read(text.as_bytes()).unwrap_err().to_string();
+            assert!(error.contains(says), "{says}\n{error}");
+        }
+    }
+}
