@@ -1,3 +1,4 @@
+use nalgebra::Matrix3;
 use tousle_core::{Attachment, Body, Pose, Shape, Vec3};
 
 /// How far a point is from a surface, and which way is out.
@@ -9,90 +10,181 @@ pub struct Gap {
     pub normal: Vec3,
 }
 
-/// The gap between a point and a shape, both in the shape's own space, m.
+/// The surface of a collider where it is at one time, head space, ready to be asked for many points.
 ///
-/// Exact for capsules. For ellipsoids the first-order distance (f − 1)/|∇f| with f = |x/a|: exact on the
-/// surface, its relative error elsewhere about half the distance over the radius of curvature (3 % at 5 mm from
-/// a head). In the middle of a shape, where no direction is nearest, the way out is upwards or sideways.
-pub fn gap(shape: &Shape, point_m: Vec3) -> Gap {
-    match shape {
-        Shape::Ellipsoid { center_m, half_axes_m } => ellipsoid_gap(point_m - center_m, half_axes_m),
-        Shape::Capsule { a_m, b_m, radius_m } => {
-            let axis = b_m - a_m;
-            let length2 = axis.norm_squared();
-            let share =
-                if length2 > 0.0 { ((point_m - a_m).dot(&axis) / length2).clamp(0.0, 1.0) } else { 0.0 };
-            let away = point_m - a_m - axis * share;
-            let distance = away.norm();
-            let normal = if distance > 1e-12 { away / distance } else { sideways(axis) };
-            Gap { distance_m: distance - radius_m, normal }
-        }
+/// Capsules are exact. Ellipsoids give the first-order distance (f − 1)/|∇f| with f = |x/a|: exact on the
+/// surface; elsewhere its relative error is about half the distance over the radius of curvature (3 % at 5 mm
+/// from a head). In the middle of a shape, where no direction is nearest, one across it is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface(Kind);
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Ellipsoid {
+        center_m: Vec3,
+        /// Takes a point about the center to where the ellipsoid is the unit sphere.
+        to_sphere: Matrix3<f64>,
+        shortest_half_axis_m: f64,
+    },
+    Capsule {
+        a_m: Vec3,
+        axis: Vec3,
+        /// 1 / |axis|², or 0 for a sphere.
+        per_length2: f64,
+        radius_m: f64,
+    },
+}
+
+impl Surface {
+    /// The surface of a shape in its own space.
+    pub fn new(shape: &Shape) -> Self {
+        Self(match *shape {
+            Shape::Ellipsoid { center_m, half_axes_m } => Kind::Ellipsoid {
+                center_m,
+                to_sphere: Matrix3::from_diagonal(&half_axes_m.map(|a| 1.0 / a)),
+                shortest_half_axis_m: half_axes_m.min(),
+            },
+            Shape::Capsule { a_m, b_m, radius_m } => {
+                let axis = b_m - a_m;
+                let length2 = axis.norm_squared();
+                let per_length2 = if length2 > 0.0 { 1.0 / length2 } else { 0.0 };
+                Kind::Capsule { a_m, axis, per_length2, radius_m }
+            }
+        })
+    }
+
+    /// The surfaces of a body whose torso is at `head_from_torso`, in the body's order, head space.
+    pub fn of_body(body: &Body, head_from_torso: &Pose) -> Vec<Self> {
+        let place = |collider: &tousle_core::Collider| match collider.attachment {
+            Attachment::Head => Self::new(&collider.shape),
+            Attachment::Torso => Self::new(&collider.shape).moved(head_from_torso),
+        };
+        body.colliders.iter().map(place).collect()
+    }
+
+    /// The same surface carried along by a pose.
+    pub fn moved(&self, pose: &Pose) -> Self {
+        Self(match self.0 {
+            Kind::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => Kind::Ellipsoid {
+                center_m: (pose * nalgebra::Point3::from(center_m)).coords,
+                to_sphere: to_sphere * pose.rotation.inverse().to_rotation_matrix().matrix(),
+                shortest_half_axis_m,
+            },
+            Kind::Capsule { a_m, axis, per_length2, radius_m } => Kind::Capsule {
+                a_m: (pose * nalgebra::Point3::from(a_m)).coords,
+                axis: pose.rotation * axis,
+                per_length2,
+                radius_m,
+            },
+        })
+    }
+
+    /// The gap between a point and the surface.
+    pub fn gap(&self, point_m: Vec3) -> Gap {
+        self.gap_within(point_m, f64::INFINITY)
+            .unwrap_or(Gap { distance_m: f64::INFINITY, normal: Vec3::z() })
+    }
+
+    /// The gap between a point and the surface if it is at most `limit_m`, ≥ 0. Far points are told cheaply.
+    #[inline]
+    pub fn gap_within(&self, point_m: Vec3, limit_m: f64) -> Option<Gap> {
+        let gap = match &self.0 {
+            Kind::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => {
+                let scaled = to_sphere * (point_m - center_m);
+                let level2 = scaled.norm_squared();
+                // |∇f| is at most one over the shortest half axis.
+                let far = 1.0 + limit_m / shortest_half_axis_m;
+                if level2 > far * far {
+                    return None;
+                }
+                let level = level2.sqrt();
+                if level < 1e-9 {
+                    return Some(Gap { distance_m: -shortest_half_axis_m, normal: Vec3::z() });
+                }
+                let gradient = to_sphere.tr_mul(&scaled) / level;
+                let slope = gradient.norm();
+                Gap { distance_m: (level - 1.0) / slope, normal: gradient / slope }
+            }
+            Kind::Capsule { a_m, axis, per_length2, radius_m } => {
+                let from_a = point_m - a_m;
+                let share = (from_a.dot(axis) * per_length2).clamp(0.0, 1.0);
+                let away = from_a - axis * share;
+                let distance2 = away.norm_squared();
+                let far = radius_m + limit_m;
+                if distance2 > far * far {
+                    return None;
+                }
+                let distance = distance2.sqrt();
+                let normal = if distance > 1e-12 { away / distance } else { sideways(axis) };
+                Gap { distance_m: distance - radius_m, normal }
+            }
+        };
+        (gap.distance_m <= limit_m).then_some(gap)
     }
 }
 
-fn ellipsoid_gap(from_center: Vec3, half_axes_m: &Vec3) -> Gap {
-    let scaled = from_center.component_div(half_axes_m);
-    let level = scaled.norm();
-    if level < 1e-9 {
-        return Gap { distance_m: -half_axes_m.z, normal: Vec3::z() };
-    }
-    let gradient = scaled.component_div(half_axes_m) / level;
-    let slope = gradient.norm();
-    Gap { distance_m: (level - 1.0) / slope, normal: gradient / slope }
-}
-
-fn sideways(axis: Vec3) -> Vec3 {
+fn sideways(axis: &Vec3) -> Vec3 {
     let out = axis.cross(&Vec3::x());
     if out.norm() > 1e-9 * axis.norm() { out.normalize() } else { Vec3::z() }
-}
-
-/// The gap to one collider of a body whose torso is at `head_from_torso`; point and normal in head space.
-pub fn collider_gap(body: &Body, collider: usize, head_from_torso: &Pose, point_m: Vec3) -> Gap {
-    let collider = &body.colliders[collider];
-    match collider.attachment {
-        Attachment::Head => gap(&collider.shape, point_m),
-        Attachment::Torso => {
-            let inside = head_from_torso.inverse_transform_point(&point_m.into());
-            let gap = gap(&collider.shape, inside.coords);
-            Gap { normal: head_from_torso.rotation * gap.normal, ..gap }
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::UnitQuaternion;
 
     const HEAD: Shape =
         Shape::Ellipsoid { center_m: Vec3::new(0.0, 0.0, 0.0), half_axes_m: Vec3::new(0.095, 0.075, 0.1) };
+    const CAPSULE: Shape =
+        Shape::Capsule { a_m: Vec3::new(0.0, -0.15, 0.0), b_m: Vec3::new(0.0, 0.15, 0.0), radius_m: 0.07 };
 
     #[test]
     fn on_the_axes_an_ellipsoids_gap_is_exact() {
+        let head = Surface::new(&HEAD);
         for (point, distance, normal) in [
             (Vec3::new(0.1, 0.0, 0.0), 0.005, Vec3::x()),
             (Vec3::new(0.0, -0.08, 0.0), 0.005, -Vec3::y()),
             (Vec3::new(0.0, 0.0, 0.09), -0.01, Vec3::z()),
         ] {
-            let found = gap(&HEAD, point);
+            let found = head.gap(point);
             assert!((found.distance_m - distance).abs() < 1e-15);
             assert!((found.normal - normal).norm() < 1e-12);
         }
-        assert!(gap(&HEAD, Vec3::zeros()).distance_m < -0.05);
+        assert!(head.gap(Vec3::zeros()).distance_m < -0.05);
     }
 
     #[test]
     fn a_capsules_gap_is_exact() {
-        let capsule = Shape::Capsule {
-            a_m: Vec3::new(0.0, -0.15, 0.0),
-            b_m: Vec3::new(0.0, 0.15, 0.0),
-            radius_m: 0.07,
-        };
-        let side = gap(&capsule, Vec3::new(0.06, 0.1, 0.08));
+        let capsule = Surface::new(&CAPSULE);
+        let side = capsule.gap(Vec3::new(0.06, 0.1, 0.08));
         assert!((side.distance_m - 0.03).abs() < 1e-15);
         assert!((side.normal - Vec3::new(0.6, 0.0, 0.8)).norm() < 1e-12);
-        let end = gap(&capsule, Vec3::new(0.0, 0.25, 0.0));
+        let end = capsule.gap(Vec3::new(0.0, 0.25, 0.0));
         assert!((end.distance_m - 0.03).abs() < 1e-15);
-        let middle = gap(&capsule, Vec3::zeros());
+        let middle = capsule.gap(Vec3::zeros());
         assert!((middle.distance_m + 0.07).abs() < 1e-15 && (middle.normal.norm() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_carried_surface_meets_carried_points() {
+        let pose = Pose::from_parts(
+            Vec3::new(0.1, -0.2, 0.3).into(),
+            UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1),
+        );
+        let point = Vec3::new(0.05, 0.08, 0.06);
+        for shape in [HEAD, CAPSULE] {
+            let here = Surface::new(&shape).gap(point);
+            let there = Surface::new(&shape).moved(&pose).gap((pose * nalgebra::Point3::from(point)).coords);
+            assert!((here.distance_m - there.distance_m).abs() < 1e-14);
+            assert!((pose.rotation * here.normal - there.normal).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn far_points_are_left_out_and_near_ones_are_not() {
+        let head = Surface::new(&HEAD);
+        assert!(head.gap_within(Vec3::new(0.0, 0.0, 0.104), 0.005).is_some());
+        assert!(head.gap_within(Vec3::new(0.0, 0.0, 0.106), 0.005).is_none());
+        assert!(Surface::new(&CAPSULE).gap_within(Vec3::new(0.1, 0.0, 0.0), 0.02).is_none());
     }
 }

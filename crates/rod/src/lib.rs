@@ -1,7 +1,7 @@
 //! The mechanics of one lock: its shape at rest, bending, drag, contact. Measuring and simulating share it.
 //!
 //! [`Lock`] is a strand as a chain of sticks with its mass and its joints; [`rest_state`] says how it carries
-//! its weight when it hangs still; [`DragLaw`] is what the air does to it, [`collider_gap`] what it can touch.
+//! its weight when it hangs still; [`DragLaw`] is what the air does to it, [`Surface`] what it can touch.
 //!
 //! *Invariant:* nothing here steps through time or knows a grid.
 
@@ -12,7 +12,7 @@ mod nnls;
 mod rest;
 mod turn;
 
-pub use contact::{Gap, collider_gap, gap};
+pub use contact::{Gap, Surface};
 pub use drag::{Drag, DragLaw};
 pub use lock::Lock;
 pub use rest::{Bearing, Rest, joint_torques, rest_state};

@@ -1,8 +1,8 @@
-use crate::contact::gap;
+use crate::contact::Surface;
 use crate::lock::Lock;
 use crate::nnls::nonnegative_least_squares;
 use nalgebra::{DMatrix, DVector};
-use tousle_core::{Body, Vec3};
+use tousle_core::{Body, Pose, Vec3};
 
 /// How a lock that hangs still carries its weight: what its joints hold and what the body bears.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,10 +39,11 @@ const MAX_CANDIDATES: usize = 64;
 /// one is taken that leaves the joints the least elastic energy, as if the hair had been laid down, not
 /// pressed. A point touches when its surface is within half a width of the collider's.
 pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body) -> Rest {
+    let surfaces = Surface::of_body(body, &Pose::identity());
     let n = lock.n_sticks();
     let mut ends_m = vec![Vec3::zeros(); n];
     lock.place(&lock.rest_directions, &mut ends_m);
-    let candidates = candidates(lock, &ends_m, body);
+    let candidates = candidates(lock, &ends_m, &surfaces);
     let weight: Vec<Vec3> = lock.masses_kg.iter().map(|m| gravity * *m).collect();
     let weight_torques = joint_torques(lock, &weight);
     let unit_torques: Vec<Vec<Vec3>> = candidates
@@ -62,7 +63,7 @@ pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body) -> Rest {
             torques.iter_mut().zip(unit).for_each(|(sum, t)| *sum += t * force_n);
         }
     }
-    let clearances_m = clearances(lock, &ends_m, body, &bearings);
+    let clearances_m = clearances(lock, &ends_m, &surfaces, &bearings);
     Rest { torques, bearings, clearances_m }
 }
 
@@ -90,12 +91,11 @@ struct Candidate {
     normal: Vec3,
 }
 
-fn candidates(lock: &Lock, ends_m: &[Vec3], body: &Body) -> Vec<Candidate> {
+fn candidates(lock: &Lock, ends_m: &[Vec3], surfaces: &[Surface]) -> Vec<Candidate> {
     let mut found = Vec::new();
-    for (collider, shape) in body.colliders.iter().enumerate() {
+    for (collider, surface) in surfaces.iter().enumerate() {
         for (stick, end) in ends_m.iter().enumerate() {
-            let gap = gap(&shape.shape, *end);
-            if gap.distance_m <= lock.width_m {
+            if let Some(gap) = surface.gap_within(*end, lock.width_m) {
                 found.push(Candidate { collider, stick, normal: gap.normal });
             }
         }
@@ -122,15 +122,14 @@ fn bearing_forces(lock: &Lock, weight: &[Vec3], units: &[Vec<Vec3>]) -> Vec<f64>
 
 /// A point may come as near as it lies at rest, or as the lock's own radius allows, whichever is nearer. The
 /// radius is half the width, or, where the body bears the lock, how near the bearing points lie.
-fn clearances(lock: &Lock, ends_m: &[Vec3], body: &Body, bearings: &[Bearing]) -> Vec<f64> {
-    let gap_at =
-        |collider: usize, stick: usize| gap(&body.colliders[collider].shape, ends_m[stick]).distance_m;
+fn clearances(lock: &Lock, ends_m: &[Vec3], surfaces: &[Surface], bearings: &[Bearing]) -> Vec<f64> {
+    let gap_at = |collider: usize, stick: usize| surfaces[collider].gap(ends_m[stick]).distance_m;
     let radius = bearings
         .iter()
         .map(|b| gap_at(b.collider, b.stick))
         .reduce(f64::min)
         .map_or(0.5 * lock.width_m, |nearest| nearest.max(0.0));
-    (0..body.colliders.len())
+    (0..surfaces.len())
         .flat_map(|collider| (0..ends_m.len()).map(move |stick| (collider, stick)))
         .map(|(collider, stick)| {
             let bears = bearings.iter().any(|b| b.collider == collider && b.stick == stick);

@@ -19,7 +19,7 @@ use crate::plan::Terms;
 use crate::timeline::StepScene;
 use contact::Contacts;
 use nalgebra::UnitQuaternion;
-use tousle_core::{Body, Vec3};
+use tousle_core::Vec3;
 use tousle_rod::{DragLaw, Lock, Rest, turned};
 
 /// One strand in motion.
@@ -54,15 +54,13 @@ struct Work {
     /// Rotation of each stick since rest, carried along the strand without twist.
     carried: Vec<UnitQuaternion<f64>>,
     steps: Vec<JointStep>,
-    turns: Vec<Vec3>,
 }
 
 /// What all strands of a run share.
 #[derive(Debug)]
-pub(crate) struct PaperModel<'a> {
+pub(crate) struct PaperModel {
     pub integrator: Integrator,
     pub terms: Terms,
-    pub body: &'a Body,
     pub drag: DragLaw,
 }
 
@@ -87,26 +85,19 @@ impl PaperStrand {
     }
 
     /// One step of E1 for every joint.
-    pub fn step(&mut self, model: &PaperModel<'_>, scene: &StepScene<'_>) {
+    pub fn step(&mut self, model: &PaperModel, scene: &StepScene<'_>) {
         self.move_points();
         // H: gravity, head movement, wind, collision; then what the joints' own springs add.
         self.weigh(model, scene);
         self.blow(model, scene);
-        self.contacts.find(model.body, &scene.torso, &self.work.ends_m, &self.work.velocities, scene.dt_secs);
+        self.contacts.find(&self.work.ends_m, &self.work.velocities, scene);
         self.contacts.push(&mut self.work.forces);
         self.bend();
         // E1, joint by joint; then what the body must push more, and the new angles.
         self.solve_joints(model, scene.dt_secs);
-        self.contacts.resolve(
-            &self.lock,
-            &self.directions,
-            &self.work.steps,
-            &mut self.rates,
-            &mut self.work.turns,
-            scene,
-        );
-        self.turn_sticks();
-        self.contacts.keep_outside(model.body, &scene.torso, &self.lock, &mut self.directions);
+        self.contacts.resolve(&self.lock, &self.directions, &self.work.steps, &mut self.rates, scene);
+        self.turn_sticks(scene.dt_secs);
+        self.contacts.keep_outside(&self.lock, &mut self.directions, scene);
     }
 
     fn move_points(&mut self) {
@@ -119,7 +110,7 @@ impl PaperStrand {
     }
 
     /// Sums along the strand from the tip, and the equation of each joint on the way.
-    fn solve_joints(&mut self, model: &PaperModel<'_>, dt_secs: f64) {
+    fn solve_joints(&mut self, model: &PaperModel, dt_secs: f64) {
         let lock = &self.lock;
         let work = &mut self.work;
         let mut pull = Vec3::zeros();
@@ -136,28 +127,28 @@ impl PaperStrand {
             // The air's resistance to the strand's whole motion is in `pull`; E1 has the joint's own in its place.
             let own_resistance = length * air_resistance;
             let lever = direction.cross(&(pull + air_pull)) * length;
-            let torque = lever + work.bending_torques[j] - next_torque - rate * own_resistance;
+            let torque = lever + work.bending_torques[j] - next_torque;
             let torque = torque - direction * direction.dot(&torque);
             // No neighbor's angle can ask for more of a joint than its own coefficient gives: the sums of the
             // absolute values of a row (Gershgorin) keep the joints stable although each is solved alone.
             let bending = stiffness + next_stiffness + next_stiffness + if j > 0 { stiffness } else { 0.0 };
+            let damping = rate * (bending * lock.damping_secs);
             let equation = JointEquation {
                 inertia: self.inertias[j],
                 resistance: own_resistance + bending * lock.damping_secs,
                 strength: bending + length * pull.norm(),
             };
             let step = JointStep::new(model.integrator, equation, dt_secs);
-            work.turns[j] = step.turn(rate, torque);
-            self.rates[j] = step.rate(rate, torque);
+            self.rates[j] = step.rate(rate, torque + damping);
             work.steps[j] = step;
             next_torque = work.bending_torques[j];
             next_stiffness = stiffness;
         }
     }
 
-    fn turn_sticks(&mut self) {
+    fn turn_sticks(&mut self, dt_secs: f64) {
         for j in 0..self.lock.n_sticks() {
-            let direction = turned(self.directions[j], self.work.turns[j]).normalize();
+            let direction = turned(self.directions[j], self.rates[j] * dt_secs).normalize();
             self.directions[j] = direction;
             let rate = self.rates[j];
             self.rates[j] = rate - direction * direction.dot(&rate);
@@ -188,10 +179,9 @@ impl Work {
             forces: zeros.clone(),
             air_resistances: vec![0.0; n],
             air_forces: zeros.clone(),
-            bending_torques: zeros.clone(),
+            bending_torques: zeros,
             carried: vec![UnitQuaternion::identity(); n],
             steps: vec![JointStep::default(); n],
-            turns: zeros,
         }
     }
 }

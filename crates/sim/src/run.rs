@@ -24,7 +24,6 @@ pub(crate) fn run(
     let model = PaperModel {
         integrator: options.integrator,
         terms: Terms { quantity: field.quantity, head_movement: !timeline.head_is_still() },
-        body: &scene.body,
         drag: DragLaw::in_air(scene.air_density),
     };
     let gravity = timeline.gravity_at_rest();

@@ -1,6 +1,7 @@
 use crate::{SimError, SimOptions, TimeMode};
 use tousle_core::{HeadMotion, Pose, PoseTrack, Vec3};
 use tousle_field::{FieldSequence, FieldSlice, Scene};
+use tousle_rod::Surface;
 
 /// When the frames are, into how many steps each is cut, and what the world does in each step.
 #[derive(Clone, Debug)]
@@ -29,7 +30,7 @@ struct Head<'a> {
 }
 
 /// What the world does during one step, head axes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct StepScene<'a> {
     /// The step, s.
     pub dt_secs: f64,
@@ -39,17 +40,11 @@ pub(crate) struct StepScene<'a> {
     pub gravity: Vec3,
     /// The head in the middle of the step; `None` while it never moves.
     pub head: Option<HeadMotion>,
-    /// Where the torso is at the end of the step, and how it got there from the step's start.
-    pub torso: Torso,
-}
-
-/// The torso as the head sees it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Torso {
-    /// Torso space to head space.
-    pub head_from_torso: Pose,
-    /// A point of the torso before the step to the same point after it, both in head space.
-    pub after_from_before: Option<Pose>,
+    /// The body's surfaces at the end of the step, in the body's order.
+    pub surfaces: Vec<Surface>,
+    /// How the torso moves during the step as the head sees it: a point of it after the step to the same point
+    /// before it, head space; `None` while the head never moves.
+    pub torso_before_from_after: Option<Pose>,
 }
 
 /// The most frames, steps a frame and control points in all frames: 12 GB of result.
@@ -129,19 +124,15 @@ impl<'a> Timeline<'a> {
         let begin = self.frame_secs(frame) + step as f64 * self.dt_secs;
         let middle = begin + 0.5 * self.dt_secs;
         let head = self.head_at(middle);
+        let torso = self.torso_at(begin + self.dt_secs);
         StepScene {
             dt_secs: self.dt_secs,
             wind: self.wind_secs(middle).map(|secs| self.field.at(secs)),
             gravity: head.world_from_head.rotation.inverse() * self.scene.gravity_world,
             head: (!self.head.is_still).then_some(head),
-            torso: self.torso_after(begin),
+            surfaces: Surface::of_body(&self.scene.body, &torso),
+            torso_before_from_after: (!self.head.is_still).then(|| self.torso_at(begin) * torso.inverse()),
         }
-    }
-
-    fn torso_after(&self, begin: f64) -> Torso {
-        let end = self.torso_at(begin + self.dt_secs);
-        let after_from_before = (!self.head.is_still).then(|| end * self.torso_at(begin).inverse());
-        Torso { head_from_torso: end, after_from_before }
     }
 
     fn torso_at(&self, secs: f64) -> Pose {

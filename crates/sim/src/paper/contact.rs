@@ -1,8 +1,8 @@
 use crate::joint::JointStep;
-use crate::timeline::{StepScene, Torso};
+use crate::timeline::StepScene;
 use nalgebra::Matrix3;
-use tousle_core::{Body, Vec3};
-use tousle_rod::{Lock, Rest, collider_gap};
+use tousle_core::Vec3;
+use tousle_rod::{Lock, Rest};
 
 /// A collider that a strand can reach.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +49,7 @@ struct Touch {
     surface_velocity: Vec3,
 }
 
+const SLOP_M: f64 = 1e-5;
 /// Passes over the contacts in a step. What one pass leaves is corrected by the next step.
 const SWEEPS: usize = 2;
 
@@ -70,28 +71,29 @@ impl Contacts {
     }
 
     /// Finds the points that touch or may touch within the step, where the body is at its end.
-    pub fn find(&mut self, body: &Body, torso: &Torso, ends_m: &[Vec3], velocities: &[Vec3], dt_secs: f64) {
+    pub fn find(&mut self, ends_m: &[Vec3], velocities: &[Vec3], scene: &StepScene<'_>) {
         self.touching.clear();
+        if self.colliders.is_empty() {
+            return;
+        }
         let n = ends_m.len();
-        for stick in 0..if self.colliders.is_empty() { 0 } else { n } {
+        for stick in 0..n {
+            let end = ends_m[stick];
+            // Twice the way it would go unhindered; what turns faster is caught when the step is done.
+            let margin_m = 2.0 * velocities[stick].norm() * scene.dt_secs + 1e-4;
             for (place, collider) in self.colliders.iter().enumerate() {
                 let slot = place * n + stick;
-                let gap = collider_gap(body, *collider, &torso.head_from_torso, ends_m[stick]);
-                let room_m = gap.distance_m - self.slots[slot].clearance_m;
-                // Twice the way it would go unhindered; what turns faster is caught when the step is done.
-                if room_m > 2.0 * velocities[stick].norm() * dt_secs + 1e-4 {
-                    self.slots[slot].push = 0.0;
-                    self.slots[slot].rub = Vec3::zeros();
+                let remembered = &mut self.slots[slot];
+                let limit_m = f64::max(remembered.clearance_m + margin_m, 0.0);
+                let Some(gap) = scene.surfaces[*collider].gap_within(end, limit_m) else {
+                    remembered.push = 0.0;
+                    remembered.rub = Vec3::zeros();
                     continue;
-                }
-                let _ = torso.after_from_before;
-                self.touching.push(Touch {
-                    slot,
-                    stick,
-                    normal: gap.normal,
-                    room_m,
-                    surface_velocity: Vec3::zeros(),
-                });
+                };
+                let room_m = gap.distance_m - remembered.clearance_m;
+                let room_m = if room_m.abs() < SLOP_M { 0.0 } else { room_m };
+                let surface_velocity = Vec3::zeros();
+                self.touching.push(Touch { slot, stick, normal: gap.normal, room_m, surface_velocity });
             }
         }
     }
@@ -115,7 +117,6 @@ impl Contacts {
         directions: &[Vec3],
         steps: &[JointStep],
         rates: &mut [Vec3],
-        turns: &mut [Vec3],
         scene: &StepScene<'_>,
     ) {
         if self.touching.is_empty() {
@@ -128,7 +129,6 @@ impl Contacts {
                 pull += self.corrections[j];
                 let torque = directions[j].cross(&pull) * lock.lengths_m[j];
                 rates[j] += torque * steps[j].rate_per_torque;
-                turns[j] += torque * steps[j].turn_per_torque;
             }
         }
     }
@@ -154,7 +154,7 @@ impl Contacts {
     }
 
     /// Last of all: a point that is still inside is brought out by turning its stick, from root to tip.
-    pub fn keep_outside(&self, body: &Body, torso: &Torso, lock: &Lock, directions: &mut [Vec3]) {
+    pub fn keep_outside(&self, lock: &Lock, directions: &mut [Vec3], scene: &StepScene<'_>) {
         if self.colliders.is_empty() {
             return;
         }
@@ -165,9 +165,11 @@ impl Contacts {
             for _ in 0..3 {
                 let mut moved = false;
                 for (place, collider) in self.colliders.iter().enumerate() {
-                    let gap = collider_gap(body, *collider, &torso.head_from_torso, far);
-                    let depth = self.slots[place * n + j].clearance_m - gap.distance_m;
-                    if depth > 1e-9 {
+                    let clearance_m = self.slots[place * n + j].clearance_m;
+                    let gap = scene.surfaces[*collider].gap_within(far, f64::max(clearance_m, 0.0));
+                    let Some(gap) = gap else { continue };
+                    let depth = clearance_m - gap.distance_m;
+                    if depth > SLOP_M {
                         let out = far + gap.normal * depth - near;
                         *direction = out.normalize();
                         far = near + *direction * *length;

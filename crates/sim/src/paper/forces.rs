@@ -4,7 +4,7 @@ use tousle_core::{Quantity, Vec3};
 
 impl PaperStrand {
     /// g and Ξ of E2: gravity turned into head axes, and the inertia of a head that speeds up or turns.
-    pub(super) fn weigh(&mut self, model: &PaperModel<'_>, scene: &StepScene<'_>) {
+    pub(super) fn weigh(&mut self, model: &PaperModel, scene: &StepScene<'_>) {
         let work = &mut self.work;
         let head = scene.head.filter(|_| model.terms.head_movement);
         let Some(head) = head else {
@@ -32,7 +32,7 @@ impl PaperStrand {
     ///
     /// Air velocity acts through the drag law, less the strand's own velocity. A force per mass acts as it is;
     /// the resistance that the air then offers is that of the wind whose push across the stick it would be.
-    pub(super) fn blow(&mut self, model: &PaperModel<'_>, scene: &StepScene<'_>) {
+    pub(super) fn blow(&mut self, model: &PaperModel, scene: &StepScene<'_>) {
         let n = self.lock.n_sticks();
         self.work.air_resistances.fill(0.0);
         self.work.air_forces.fill(Vec3::zeros());
@@ -49,7 +49,7 @@ impl PaperStrand {
 
     fn blow_stick(
         &mut self,
-        model: &PaperModel<'_>,
+        model: &PaperModel,
         scene: &StepScene<'_>,
         j: usize,
         middle: Vec3,
