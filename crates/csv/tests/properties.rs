@@ -70,8 +70,6 @@ proptest! {
     /// Whatever its clothes, a table reads as what was written.
     #[test]
     fn a_table_reads_as_written(rows in positions(), clothes in clothes()) {
-        // A table of nothing but blanks has no decimal point to show that commas separate.
-        prop_assume!(rows.iter().flatten().any(Option::is_some));
         let text = nexus(&rows, &clothes);
         prop_assert!(vicon::detect(text.as_bytes()));
         let file = vicon::read(text.as_bytes()).unwrap();
@@ -87,7 +85,9 @@ proptest! {
     /// A table with decimal commas between commas is refused, wherever samples are missing.
     #[test]
     fn decimal_commas_between_commas_are_never_read(rows in positions()) {
-        prop_assume!(rows.iter().flatten().any(Option::is_some));
+        if rows.iter().flatten().all(Option::is_none) {
+            return Ok(());
+        }
         let clothes = Clothes {
             separator: ',', decimal_comma: true, end_of_line: "\n", byte_order_mark: false, trailing_separators: 0,
         };
