@@ -91,7 +91,7 @@ impl Info {
 
     /// The points that may be markers: all that no parameter calls an angle, force, moment and the like.
     pub fn marker_idxs(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.n_points).filter(|&i| self.kinds[i].is_marker())
+        self.kinds.iter().enumerate().filter(|(_, kind)| kind.is_marker()).map(|(i, _)| i)
     }
 }
 

@@ -34,6 +34,39 @@ fn every_file_reads_as_expected() {
     assert_eq!(tally.values().sum::<usize>(), 76);
 }
 
+/// Sample by sample beside another reader, on the files that it is known to read rightly.
+#[test]
+fn coordinates_are_those_of_c3dio() {
+    let Some(corpus) = corpus() else { return };
+    let expected: Value =
+        serde_json::from_slice(&std::fs::read(corpus.join("expected.json")).unwrap()).unwrap();
+    let mut n_compared = 0;
+    for (name, entry) in expected["files"].as_object().unwrap() {
+        if entry["rust_crates"]["c3dio 0.8.0"] != "right" {
+            continue;
+        }
+        let bytes = std::fs::read(corpus.join(name)).unwrap();
+        let theirs = c3dio::C3d::load_path(corpus.join(name)).unwrap().points.points;
+        let ours = all_frames(&mut Reader::from_bytes(&bytes).unwrap());
+        assert!(ours.len() <= theirs.rows() || ours.is_empty() || ours[0].is_empty(), "{name}");
+        for (frame, points) in ours.iter().enumerate() {
+            for (idx, point) in points.iter().enumerate() {
+                let Some(point) = point else { continue };
+                let other = theirs[(frame, idx)].point;
+                let worst =
+                    [0, 1, 2].map(|k| (point.position[k] - other[k]).abs()).into_iter().fold(0.0, f32::max);
+                assert!(
+                    worst <= 1e-6 * other.iter().fold(0.0, |m: f32, c| m.max(c.abs())),
+                    "{name} {frame} {idx}"
+                );
+                n_compared += 1;
+            }
+        }
+    }
+    println!("{n_compared} samples compared");
+    assert!(n_compared > 100_000);
+}
+
 /// One trial in the encodings of three machines, as integers and as floats, twice.
 #[test]
 fn six_encodings_of_one_trial_load_equal() {

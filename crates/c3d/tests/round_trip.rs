@@ -79,6 +79,38 @@ fn all_encodings_say_the_same() {
     }
 }
 
+/// The writer beside a reader that is not ours.
+#[test]
+fn c3dio_reads_what_we_write() {
+    let labels = ["Wig:LFHD", "Wig:S01_1", "*1"].map(str::to_owned).to_vec();
+    for processor in [Processor::Intel, Processor::Dec, Processor::Mips] {
+        for storage in [Storage::Float32, Storage::Int16] {
+            let labels = labels.clone();
+            let (unit, n_frames) = (Some("mm".into()), 300);
+            let trial = Trial {
+                processor,
+                storage,
+                scale: 0.25,
+                rate_hz: 120.0,
+                unit,
+                n_frames,
+                labels,
+                ..Trial::default()
+            };
+            let point = |f: usize, p: usize| Some(Point::at([f as f32 * 0.25, p as f32, -7.5]));
+            let frames: Frames = (0..n_frames).map(|f| (0..3).map(|p| point(f, p)).collect()).collect();
+            let theirs = c3dio::C3d::from_bytes(&write(&trial, &frames).unwrap()).unwrap();
+            assert_eq!((theirs.points.labels, theirs.points.frame_rate), (trial.labels, 120.0));
+            assert_eq!((theirs.points.points.rows(), theirs.points.points.cols()), (300, 3));
+            for (frame, points) in frames.iter().enumerate() {
+                for (idx, point) in points.iter().enumerate() {
+                    assert_eq!(theirs.points.points[(frame, idx)].point, point.unwrap().position);
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn more_points_than_an_array_of_labels_holds() {
     let labels: Vec<String> = (0..1021).map(|i| format!("Wig:S{i}")).collect();

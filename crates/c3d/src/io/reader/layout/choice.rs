@@ -99,7 +99,7 @@ fn report(claims: &[Claims; 5], chosen: [Claim; 5], layout: &Layout, warnings: &
                 _ => Warning::Fitted { quantity, header, used },
             });
         }
-        for claim in &claims.claims {
+        for claim in claims.claims.iter().chain(&claims.impossible) {
             if let Source::Parameter(parameter) = claim.source {
                 let stated = claim.value;
                 warnings.push(Warning::Contradiction { quantity, header, parameter, stated, used });

@@ -10,6 +10,8 @@ pub(super) const QUANTITIES: [Quantity; 5] =
 #[derive(Debug)]
 pub(super) struct Claims {
     pub claims: Vec<Claim>,
+    /// Parameters whose statement cannot be, such as a data start of 0.
+    pub impossible: Vec<Claim>,
     /// The header's statement, whether it can be or not.
     pub header: f64,
 }
@@ -48,7 +50,7 @@ pub(super) fn claims_of(start: &Start, parameters: &Parameters) -> [Claims; 5] {
 
 impl Claims {
     fn new(header: f64) -> Self {
-        Self { claims: Vec::new(), header }
+        Self { claims: Vec::new(), impossible: Vec::new(), header }
     }
 
     /// Adds a claim unless one before it says the same.
@@ -60,6 +62,16 @@ impl Claims {
 
     fn add_header(&mut self) {
         self.add(self.header, Source::Header);
+    }
+
+    /// Adds what a parameter says, if it says anything, to the claims or to what cannot be.
+    fn add_parameter(&mut self, name: &'static str, value: Option<f64>, is_usable: impl Fn(f64) -> bool) {
+        let source = Source::Parameter(name);
+        match value {
+            None => {}
+            Some(value) if is_usable(value) => self.add(value, source),
+            Some(value) => self.impossible.push(Claim { value, source }),
+        }
     }
 }
 
@@ -124,14 +136,12 @@ fn frames(start: &Start, parameters: &Parameters) -> Claims {
 }
 
 fn scale(start: &Start, parameters: &Parameters) -> Claims {
-    let is_usable = |scale: &f64| scale.is_finite() && *scale != 0.0;
+    let is_usable = |scale: f64| scale.is_finite() && scale != 0.0;
     let mut claims = Claims::new(f64::from(start.header.scale));
-    if is_usable(&claims.header) {
+    if is_usable(claims.header) {
         claims.add_header();
     }
-    if let Some(scale) = parameters.number("POINT", "SCALE").filter(is_usable) {
-        claims.add(scale, Source::Parameter("POINT:SCALE"));
-    }
+    claims.add_parameter("POINT:SCALE", parameters.number("POINT", "SCALE"), is_usable);
     if claims.claims.is_empty() {
         claims.add(-1.0, Source::Derived);
         claims.add(1.0, Source::Derived);
@@ -148,9 +158,8 @@ fn data_block(start: &Start, parameters: &Parameters) -> Claims {
     if is_usable(claims.header) {
         claims.add_header();
     }
-    if let Some(block) = parameters.count("POINT", "DATA_START").map(|n| n as f64).filter(|&n| is_usable(n)) {
-        claims.add(block, Source::Parameter("POINT:DATA_START"));
-    }
+    let stated = parameters.count("POINT", "DATA_START").map(|n| n as f64);
+    claims.add_parameter("POINT:DATA_START", stated, is_usable);
     if claims.claims.is_empty() {
         // Behind the parameter section, which is where data nearly always stands.
         let block = (start.section_start - start.base) / BLOCK + 1;
