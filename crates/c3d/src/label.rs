@@ -45,16 +45,18 @@ const KINDS: [(&str, PointKind); 7] = [
 
 /// The kind of each of `n_points` points.
 pub(crate) fn kinds(parameters: &Parameters, labels: &[String], n_points: usize) -> Vec<PointKind> {
-    let mut kind_by_label = BTreeMap::new();
-    for (name, kind) in
-        KINDS.map(|(name, kind)| (name.to_owned(), kind)).into_iter().chain(own_kinds(parameters))
-    {
+    let mut kind_by_label: BTreeMap<&str, Option<PointKind>> =
+        labels.iter().map(|l| (l.as_str(), None)).collect();
+    let known = KINDS.map(|(name, kind)| (name.to_owned(), kind));
+    for (name, kind) in known.into_iter().chain(own_kinds(parameters)) {
         for label in parameters.long_texts("POINT", &name) {
-            kind_by_label.entry(label).or_insert(kind);
+            // A blank entry names no point, least of all those without a label.
+            if let Some(found) = kind_by_label.get_mut(label.as_str()).filter(|_| !label.is_empty()) {
+                found.get_or_insert(kind);
+            }
         }
     }
-    let kind =
-        |i: usize| labels.get(i).and_then(|l| kind_by_label.get(l)).copied().unwrap_or(PointKind::Marker);
+    let kind = |i: usize| labels.get(i).and_then(|l| kind_by_label[l.as_str()]).unwrap_or(PointKind::Marker);
     (0..n_points).map(kind).collect()
 }
 
@@ -88,14 +90,14 @@ mod tests {
         let lists = vec![
             list("TYPE_GROUPS", "ODD Odd "),
             list("ODD", "CoM Hip "),
-            list("ANGLES", "Hip "),
+            list("ANGLES", "Hip     "),
             list("ANGLES2", "KneeLFHD"),
         ];
         let group = Group { name: "POINT".into(), parameters: lists, ..Group::default() };
-        let labels = ["LFHX", "Hip", "Knee", "CoM"].map(str::to_owned);
-        let found = kinds(&Parameters { groups: vec![group] }, &labels, 5);
-        let expected =
-            [PointKind::Marker, PointKind::Angle, PointKind::Angle, PointKind::Other, PointKind::Marker];
+        let labels = ["LFHX", "Hip", "Knee", "CoM", ""].map(str::to_owned);
+        let found = kinds(&Parameters { groups: vec![group] }, &labels, 6);
+        use PointKind::{Angle, Marker, Other};
+        let expected = [Marker, Angle, Angle, Other, Marker, Marker];
         assert_eq!(found, expected);
     }
 }

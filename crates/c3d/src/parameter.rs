@@ -60,7 +60,7 @@ impl Parameters {
     }
 
     /// The texts of `NAME`, `NAME2`, `NAME3`… after one another: an array ends at 255 entries, and systems with
-    /// more go on in the next.
+    /// more go on in the next. 65,535 at most, for the format counts in 16 bits.
     pub fn long_texts(&self, group: &str, name: &str) -> Vec<String> {
         let in_group = self.groups.iter().filter(|g| g.name.eq_ignore_ascii_case(group));
         let mut parts = BTreeMap::new();
@@ -70,7 +70,7 @@ impl Parameters {
             }
         }
         let in_a_row = (1..).zip(parts).take_while(|(part, (number, _))| part == number);
-        in_a_row.flat_map(|(_, (_, parameter))| parameter.texts()).collect()
+        in_a_row.flat_map(|(_, (_, parameter))| parameter.texts()).take(0xffff).collect()
     }
 }
 
