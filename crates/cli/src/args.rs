@@ -1,0 +1,323 @@
+//! What can be said on the command line.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Hair in the wind, measured once, worn by any hairstyle.
+#[derive(Debug, Parser)]
+#[command(name = "tousle", version, about, max_term_width = 110)]
+#[command(after_help = "Exit codes: 0 fine, 1 failed or invalid, 2 wrong arguments, 3 finished with loss.")]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Threads for the heavy stages [default: all cores]. The result does not depend on it.
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// No progress bars, also on a terminal.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+/// The commands, in the order in which one meets them.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Turn a capture into a wind field.
+    Convert(ConvertArgs),
+    /// Tell whether field files are sound, and everything that is wrong with them.
+    Validate(ValidateArgs),
+    /// Tell what is in a file: a field, a capture or a groom.
+    Inspect(InspectArgs),
+    /// Blow a hairstyle with a field.
+    Simulate(SimulateArgs),
+    /// Pull strands where they should be: adds layers to a field.
+    Edit(EditArgs),
+    /// Write a field for other tools.
+    Export(ExportArgs),
+    /// Make a field of wind from elsewhere (CFD, a scan, a known truth).
+    Import(ImportArgs),
+    /// Do all of it on an embedded capture and show it on one page.
+    Demo(DemoArgs),
+    /// Measure: error against run time.
+    #[command(subcommand)]
+    Bench(BenchCommand),
+}
+
+/// `tousle convert`
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    /// The capture: C3D, Vicon CSV, and what else `inspect` reads. The format is told from the bytes.
+    pub capture: PathBuf,
+    /// What the people in the room knew (JSON or TOML).
+    #[arg(long)]
+    pub session: PathBuf,
+    /// The field file to write.
+    #[arg(short, long, value_name = "FIELD.eff.mcap")]
+    pub output: PathBuf,
+    /// How motion becomes wind.
+    #[arg(long, value_enum, default_value_t = MethodArg::Paper)]
+    pub method: MethodArg,
+    /// Edge of the grid about the head, mm.
+    #[arg(long, default_value_t = 600.0, value_name = "MM")]
+    pub extent_mm: f64,
+    /// Edge of a voxel, mm.
+    #[arg(long, default_value_t = 20.0, value_name = "MM")]
+    pub voxel_mm: f64,
+    /// Time steps of the field a second.
+    #[arg(long, default_value_t = 30.0, value_name = "HZ")]
+    pub rate_hz: f64,
+    /// How equation E3 of the paper is read.
+    #[arg(long, value_enum, default_value_t = ReadingArg::RestPose)]
+    pub reading: ReadingArg,
+    /// The time s of E3, ms [default: a free fall along the lock, for each marker its own].
+    #[arg(long, value_name = "MS")]
+    pub span_ms: Option<f64>,
+    /// How the capture is read.
+    #[command(flatten)]
+    pub read: ReadArgs,
+    /// Print the conversion report as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What a marker file may fail to say.
+#[derive(Debug, Args)]
+pub struct ReadArgs {
+    /// The unit of the capture's positions, where the file names none.
+    #[arg(long, value_parser = parse_unit, value_name = "mm|cm|m|in")]
+    pub unit: Option<tousle_core::LengthUnit>,
+    /// The subject (prefix of the labels) to read, where there are several.
+    #[arg(long)]
+    pub subject: Option<String>,
+}
+
+/// `--method`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MethodArg {
+    /// Kazama, Sugisaki and Morishima 2008, as documented in docs/equations.md.
+    Paper,
+}
+
+/// `--reading`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ReadingArg {
+    /// Displacement since the first frame, literally.
+    FirstFrame,
+    /// Displacement over a sliding window.
+    SlidingWindow,
+    /// Displacement from the rest pose.
+    RestPose,
+}
+
+/// `tousle validate`
+#[derive(Debug, Args)]
+pub struct ValidateArgs {
+    /// The files.
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Print the findings as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `tousle inspect`
+#[derive(Debug, Args)]
+pub struct InspectArgs {
+    /// The file: a field, a capture or a groom. Its kind is told from the bytes.
+    pub file: PathBuf,
+    /// Print what was found as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// The unit of a groom's positions, where its file names none.
+    #[arg(long, value_parser = parse_unit, value_name = "mm|cm|m|in")]
+    pub groom_unit: Option<tousle_core::LengthUnit>,
+    /// The up axis of a groom, where its file names none.
+    #[arg(long, value_parser = parse_up_axis, value_name = "X|Y|Z")]
+    pub groom_up: Option<tousle_core::UpAxis>,
+}
+
+/// What a groom file may fail to say.
+#[derive(Debug, Args)]
+pub struct GroomArgs {
+    /// The unit of the groom's positions, where its file names none.
+    #[arg(long, value_parser = parse_unit, value_name = "mm|cm|m|in")]
+    pub groom_unit: Option<tousle_core::LengthUnit>,
+    /// The groom's up axis, where its file names none.
+    #[arg(long, value_parser = parse_up_axis, value_name = "X|Y|Z")]
+    pub groom_up: Option<tousle_core::UpAxis>,
+    /// The groom's axis along which the nose points [default: x where z is up, z where y is up].
+    #[arg(long, value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
+    pub groom_forward: Option<tousle_groom::Axis>,
+    /// Scale and shift the groom so that its roots lie on the field's head.
+    #[arg(long)]
+    pub fit_to_head: bool,
+}
+
+/// `tousle simulate`
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    /// The field.
+    pub field: PathBuf,
+    /// The hairstyle.
+    #[arg(long)]
+    pub groom: PathBuf,
+    /// Where the motion goes: .npz or .usda; may be given more than once.
+    #[arg(short, long, required = true, value_name = "OUT.npz|OUT.usda")]
+    pub output: Vec<PathBuf>,
+    /// Which equations move the hair.
+    #[arg(long, value_enum, default_value_t = MethodArg::Paper)]
+    pub method: MethodArg,
+    /// Frames of the result a second.
+    #[arg(long, default_value_t = 60.0, value_name = "HZ")]
+    pub rate_hz: f64,
+    /// How the equations are stepped through time.
+    #[arg(long, value_parser = parse_integrator, default_value = tousle_sim::Integrator::default().name(), value_name = "NAME")]
+    pub integrator: tousle_sim::Integrator,
+    /// The longest step, s [default: the method's own].
+    #[arg(long, value_name = "S")]
+    pub dt_secs: Option<f64>,
+    /// The shot's own head motion in place of the capture's: .npz with `t` (T), `R` (T,3,3), `p` (T,3), or `poses`.
+    #[arg(long, value_name = "POSES.npz")]
+    pub head: Option<PathBuf>,
+    /// What the wind does outside the field's span.
+    #[arg(long, value_parser = parse_time, default_value = "once", value_name = "once|loop|hold")]
+    pub time: tousle_sim::TimeMode,
+    /// How long the motion lasts, s [default: to the field's last step].
+    #[arg(long, value_name = "S")]
+    pub duration_secs: Option<f64>,
+    /// How strands are drawn in a .usda file.
+    #[arg(long, value_enum, default_value_t = ShapeArg::Curves, value_name = "SHAPE")]
+    pub shape: ShapeArg,
+    /// Say which terms run, and what was left out and why.
+    #[arg(long)]
+    pub explain: bool,
+    /// Print the report as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// How the groom is read.
+    #[command(flatten)]
+    pub groom_args: GroomArgs,
+}
+
+/// `--shape`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ShapeArg {
+    /// Thin curves.
+    Curves,
+    /// The paper's reed-shaped polygons, with texture coordinates.
+    Reeds,
+    /// Both in one file.
+    Both,
+}
+
+/// `tousle edit`
+#[derive(Debug, Args)]
+pub struct EditArgs {
+    /// The field.
+    pub field: PathBuf,
+    /// The hairstyle in which the strands are pulled.
+    #[arg(long)]
+    pub groom: PathBuf,
+    /// The key frames (TOML or JSON).
+    #[arg(long)]
+    pub edits: PathBuf,
+    /// The field file to write: the same field with layers added.
+    #[arg(short, long, value_name = "FIELD.eff.mcap")]
+    pub output: PathBuf,
+    /// Print the report as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// How the groom is read.
+    #[command(flatten)]
+    pub groom_args: GroomArgs,
+}
+
+/// `tousle export`
+#[derive(Debug, Args)]
+pub struct ExportArgs {
+    /// The field.
+    pub field: PathBuf,
+    /// Where it goes: .npz, or .vdb (one file a time step, numbered).
+    #[arg(short, long, value_name = "OUT.npz|OUT.vdb")]
+    pub output: PathBuf,
+}
+
+/// `tousle import`
+#[derive(Debug, Args)]
+pub struct ImportArgs {
+    /// The wind: .npz as `export` writes it, or with `u_q` and `scale` in place of `u`.
+    pub wind: PathBuf,
+    /// The session it belongs to: body, air, markers.
+    #[arg(long)]
+    pub session: PathBuf,
+    /// The field file to write.
+    #[arg(short, long, value_name = "FIELD.eff.mcap")]
+    pub output: PathBuf,
+    /// The head's poses: .npz with `t` (T), `R` (T,3,3), `p` (T,3) [default: an upright, still head].
+    #[arg(long, value_name = "POSES.npz")]
+    pub head: Option<PathBuf>,
+    /// Edge of the grid about the head, mm, where the file gives neither `origin` nor `edge`.
+    #[arg(long, value_name = "MM")]
+    pub extent_mm: Option<f64>,
+    /// Print the report as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `tousle demo`
+#[derive(Debug, Args)]
+pub struct DemoArgs {
+    /// The folder to write into.
+    #[arg(short, long, default_value = "tousle-demo", value_name = "DIR")]
+    pub output: PathBuf,
+}
+
+/// `tousle bench …`
+#[derive(Debug, Subcommand)]
+pub enum BenchCommand {
+    /// The method `paper` on captures with their truth: each reading of E3, scored on another hairstyle.
+    Paper(BenchArgs),
+}
+
+/// `tousle bench paper`
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// A folder of captures, each with its session, its other hairstyle and its truth.
+    #[arg(long, value_name = "DIR")]
+    pub captures: PathBuf,
+    /// The folder for tables (CSV, HTML) [default: print only].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+fn parse_unit(name: &str) -> Result<tousle_core::LengthUnit, String> {
+    tousle_core::LengthUnit::from_name(name).ok_or_else(|| "expected mm, cm, m or in".to_owned())
+}
+
+fn parse_up_axis(name: &str) -> Result<tousle_core::UpAxis, String> {
+    tousle_core::UpAxis::from_name(name).ok_or_else(|| "expected X, Y or Z".to_owned())
+}
+
+fn parse_axis(name: &str) -> Result<tousle_groom::Axis, String> {
+    tousle_groom::Axis::from_name(name).ok_or_else(|| "expected x, y, z, -x, -y or -z".to_owned())
+}
+
+fn parse_time(name: &str) -> Result<tousle_sim::TimeMode, String> {
+    tousle_sim::TimeMode::from_name(name).ok_or_else(|| "expected once, loop or hold".to_owned())
+}
+
+fn parse_integrator(name: &str) -> Result<tousle_sim::Integrator, String> {
+    let names: Vec<_> = tousle_sim::Integrator::ALL.iter().map(|i| i.name()).collect();
+    tousle_sim::Integrator::from_name(name).ok_or_else(|| format!("expected one of {}", names.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

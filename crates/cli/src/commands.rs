@@ -1,0 +1,90 @@
+//! One module a command; each is a short list of calls.
+
+pub mod bench;
+pub mod convert;
+pub mod demo;
+pub mod edit;
+pub mod export;
+pub mod import;
+pub mod inspect;
+pub mod simulate;
+pub mod validate;
+
+use crate::args::GroomArgs;
+use anyhow::{Context, anyhow, bail};
+use serde::Serialize;
+use std::path::Path;
+use tousle_core::{Attachment, Groom, Shape};
+use tousle_eff::{Eff, ReadOptions, WriteOptions, WriteReport};
+use tousle_field::Scene;
+use tousle_groom::{GroomOptions, HeadShape, Placement};
+use tousle_pipeline::{Watch, read_file, write_whole};
+
+/// The name of a file, for messages.
+fn name(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// A path's ending, lower case, without the dot.
+fn ending(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+/// Refuses an output whose ending is none of these, before any work is done.
+fn check_ending(path: &Path, endings: &[&str]) -> anyhow::Result<()> {
+    if endings.contains(&ending(path).as_str()) {
+        return Ok(());
+    }
+    let list = endings.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(" or ");
+    bail!("output {}: found the ending {:?}, expected {list}", path.display(), ending(path))
+}
+
+/// Reads a sound field file.
+fn read_eff(path: &Path) -> anyhow::Result<Eff> {
+    let bytes = read_file(path)?;
+    tousle_eff::read(&bytes[..], &ReadOptions::default()).map_err(|e| {
+        anyhow!(e).context(format!(
+            "cannot use the field {} (`tousle validate` lists all that is wrong)",
+            path.display()
+        ))
+    })
+}
+
+/// Reads a groom; what it leaves out or changes is said on stderr.
+fn read_groom(path: &Path, args: &GroomArgs, scene: &Scene) -> anyhow::Result<Groom> {
+    let mut options = GroomOptions::default();
+    options.unit = args.groom_unit;
+    options.up_axis = args.groom_up;
+    options.forward = args.groom_forward;
+    if args.fit_to_head {
+        options.placement = Placement::FitToHead(head_shape(scene)?);
+    }
+    let read = tousle_groom::read_groom(&read_file(path)?, &options)
+        .with_context(|| format!("cannot use the groom {}", path.display()))?;
+    for warning in &read.warnings {
+        eprintln!("warning: {}: {warning}", path.display());
+    }
+    Ok(read.groom)
+}
+
+/// The head that a groom can be fitted to: the first ellipsoid that moves with it.
+fn head_shape(scene: &Scene) -> anyhow::Result<HeadShape> {
+    let of_head = scene.body.colliders.iter().filter(|c| c.attachment == Attachment::Head);
+    let mut ellipsoids = of_head.filter_map(|c| match c.shape {
+        Shape::Ellipsoid { center_m, half_axes_m } => Some(HeadShape { center_m, half_axes_m }),
+        Shape::Capsule { .. } => None,
+    });
+    ellipsoids.next().context("the field's body has no ellipsoid for a head to fit the groom to")
+}
+
+/// Writes a field file, whole or not at all.
+fn write_eff(eff: &Eff, path: &Path, watch: &dyn Watch) -> anyhow::Result<WriteReport> {
+    let stage = watch.stage("write");
+    Ok(write_whole(path, |out| tousle_eff::write(eff, out, &WriteOptions::default(), &*stage))?)
+}
+
+/// Prints a value as JSON on stdout.
+fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
+    println!("{}", serde_json::to_string_pretty(value).context("cannot write the report as JSON")?);
+    Ok(())
+}

@@ -1,0 +1,303 @@
+use super::simulate::write_motion;
+use crate::args::{DemoArgs, ShapeArg};
+use crate::ui::Outcome;
+use anyhow::{Context, ensure};
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+use tousle_core::{Groom, StrandMotion};
+use tousle_edit::{EditEffects, EditOptions};
+use tousle_eff::{Eff, WriteOptions};
+use tousle_groom::GroomOptions;
+use tousle_page::{Compared, DemoPage, Figure, FileEntry, HairView, StageLine};
+use tousle_pipeline::{ConvertOptions, Converted, Input, Watch, write_whole};
+use tousle_sim::{SimOptions, Simulation};
+
+const CAPTURE: &[u8] = include_bytes!("../../../../fixtures/demo/gusts.c3d");
+const SESSION: &[u8] = include_bytes!("../../../../fixtures/demo/session.json");
+const GROOM: &[u8] = include_bytes!("../../../../fixtures/demo/bob.json");
+const EDITS: &[u8] = include_bytes!("../../../../fixtures/demo/lift.toml");
+
+/// `tousle demo`
+pub fn run(args: &DemoArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
+    let folder = Folder::create(&args.output)?;
+    let mut log = Log::default();
+    folder.write("gusts.c3d", CAPTURE)?;
+    folder.write("session.json", SESSION)?;
+    folder.write("bob.json", GROOM)?;
+    folder.write("lift.toml", EDITS)?;
+
+    let converted = convert(&folder, &mut log, watch)?;
+    let groom = tousle_groom::read_groom(GROOM, &GroomOptions::default())?.groom;
+    let simulated = simulate(&converted.eff, &groom, &folder, &mut log, watch)?;
+    let (edited, effects) = edit(&converted.eff, &groom, &simulated.motion, &folder, &mut log, watch)?;
+    export(&converted.eff, &folder, &mut log)?;
+    page(&folder, &log, &converted, &groom, &simulated, &edited, &effects)?;
+
+    print!("{}", log.text());
+    println!("\nopen {}", folder.path.join("index.html").display());
+    Ok(Outcome::Fine)
+}
+
+/// The folder that everything goes into.
+struct Folder<'a> {
+    path: &'a Path,
+}
+
+impl<'a> Folder<'a> {
+    /// Makes the folder, or takes one that is there.
+    fn create(path: &'a Path) -> anyhow::Result<Self> {
+        std::fs::create_dir_all(path)
+            .with_context(|| format!("cannot make the folder {}", path.display()))?;
+        Ok(Self { path })
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> anyhow::Result<()> {
+        write_whole(&self.path.join(name), |out| out.write_all(bytes))?;
+        Ok(())
+    }
+}
+
+/// What was done so far, for the page and for the terminal.
+#[derive(Default)]
+struct Log {
+    stages: Vec<StageLine>,
+}
+
+impl Log {
+    /// Runs a stage and keeps how long it took and what it says of itself.
+    fn stage<T>(
+        &mut self,
+        name: &str,
+        command: &str,
+        run: impl FnOnce() -> anyhow::Result<(T, String)>,
+    ) -> anyhow::Result<T> {
+        let start = Instant::now();
+        let (value, text) = run().with_context(|| format!("the demo failed in its stage {name}"))?;
+        let secs = Some(start.elapsed().as_secs_f64());
+        self.stages.push(StageLine { name: name.to_owned(), text, command: command.to_owned(), secs });
+        Ok(value)
+    }
+
+    fn text(&self) -> String {
+        let line =
+            |s: &StageLine| format!("{:>9} {:>6.2} s  {}\n", s.name, s.secs.unwrap_or_default(), s.text);
+        self.stages.iter().map(line).collect()
+    }
+}
+
+fn convert(folder: &Folder<'_>, log: &mut Log, watch: &dyn Watch) -> anyhow::Result<Converted> {
+    let command = "tousle convert gusts.c3d --session session.json -o gusts.eff.mcap";
+    let converted = log.stage("convert", command, || {
+        let capture = Input { name: "gusts.c3d", bytes: CAPTURE };
+        let session = Input { name: "session.json", bytes: SESSION };
+        let converted = tousle_pipeline::convert(capture, session, &ConvertOptions::default(), watch)?;
+        let report = &converted.report;
+        let text = format!(
+            "{} frames of {} trajectories became {} time steps of wind from {} samples",
+            report.capture.n_frames, report.capture.n_trajectories, report.fit.n_steps, report.fit.n_samples
+        );
+        Ok((converted, text))
+    })?;
+    let path = folder.path.join("gusts.eff.mcap");
+    log.stage("write", "", || {
+        let written = write_whole(&path, |out| {
+            tousle_eff::write(&converted.eff, out, &WriteOptions::default(), &tousle_core::NoProgress)
+        })?;
+        Ok(((), format!("{:.1} MB, {} steps", written.n_bytes as f64 / 1e6, written.n_steps)))
+    })?;
+    log.stage("validate", "tousle validate gusts.eff.mcap", || {
+        let validation = tousle_eff::validate(&std::fs::read(&path)?[..])?;
+        ensure!(
+            validation.is_sound,
+            "the field that was just written is not sound: {:?}",
+            validation.findings.first()
+        );
+        Ok(((), format!("sound, {} findings", validation.findings.len())))
+    })?;
+    Ok(converted)
+}
+
+fn simulate(
+    eff: &Eff,
+    groom: &Groom,
+    folder: &Folder<'_>,
+    log: &mut Log,
+    watch: &dyn Watch,
+) -> anyhow::Result<Simulation> {
+    let command = "tousle simulate gusts.eff.mcap --groom bob.json -o bob.npz -o bob.usda --shape both";
+    let simulated = log.stage("simulate", command, || {
+        let stage = watch.stage("simulate");
+        let simulated = tousle_sim::simulate(&eff.field, &eff.scene, groom, &SimOptions::default(), &*stage)?;
+        let text = format!(
+            "{} strands of another hairstyle, {} frames, integrator {}",
+            groom.strands.len(),
+            simulated.motion.times_secs.len(),
+            simulated.report.integrator.name()
+        );
+        Ok((simulated, text))
+    })?;
+    for name in ["bob.npz", "bob.usda"] {
+        write_motion(&folder.path.join(name), &simulated.motion, groom, &eff.scene, ShapeArg::Both)?;
+    }
+    Ok(simulated)
+}
+
+fn edit(
+    eff: &Eff,
+    groom: &Groom,
+    before: &StrandMotion,
+    folder: &Folder<'_>,
+    log: &mut Log,
+    watch: &dyn Watch,
+) -> anyhow::Result<(StrandMotion, EditEffects)> {
+    let command = "tousle edit gusts.eff.mcap --groom bob.json --edits lift.toml -o lifted.eff.mcap";
+    log.stage("edit", command, || {
+        let edits = tousle_edit::read_edits(EDITS)?;
+        let edited = tousle_edit::apply(
+            eff.field.clone(),
+            &eff.scene,
+            groom,
+            before,
+            &edits,
+            &EditOptions::default(),
+        )?;
+        let stage = watch.stage("simulate");
+        let after =
+            tousle_sim::simulate(&edited.sequence, &eff.scene, groom, &SimOptions::default(), &*stage)?
+                .motion;
+        drop(stage);
+        let effects = tousle_edit::measure(before, &after, groom, &edited.sequence.layers)?;
+        let eff = Eff { field: edited.sequence, ..eff.clone() };
+        write_whole(&folder.path.join("lifted.eff.mcap"), |out| {
+            tousle_eff::write(&eff, out, &WriteOptions::default(), &tousle_core::NoProgress)
+        })?;
+        let residual = effects.edits.first().and_then(|e| e.residual_mm);
+        let text = residual.map_or_else(String::new, |r| {
+            format!("a strand pulled towards a key: {:.0} mm off before, {:.0} mm after", r.before, r.after)
+        });
+        Ok(((after, effects), text))
+    })
+}
+
+fn export(eff: &Eff, folder: &Folder<'_>, log: &mut Log) -> anyhow::Result<()> {
+    log.stage("export", "tousle export gusts.eff.mcap -o gusts.npz", || {
+        write_whole(&folder.path.join("gusts.npz"), |out| tousle_export::write_field_npz(&eff.field, out))?;
+        let step = eff.field.steps.len() * 2 / 3;
+        let name = format!("gusts.{step:04}.vdb");
+        write_whole(&folder.path.join(&name), |out| tousle_export::write_step_vdb(&eff.field, step, out))?;
+        Ok(((), format!("gusts.npz for NumPy, {name} (one step) for OpenVDB")))
+    })
+}
+
+fn page(
+    folder: &Folder<'_>,
+    log: &Log,
+    converted: &Converted,
+    groom: &Groom,
+    simulated: &Simulation,
+    edited: &StrandMotion,
+    effects: &EditEffects,
+) -> anyhow::Result<()> {
+    let intro = [
+        "27 locks with markers were blown about by a fan. Their motion told the wind force around the head; \
+         that wind now blows a hairstyle that was never captured."
+            .to_owned(),
+        "Everything here was made by the method of Kazama, Sugisaki and Morishima (2008).".to_owned(),
+    ];
+    let compared = Compared { name: "with the edit", motion: edited };
+    let hair = [HairView {
+        name: "bob",
+        about: "60 strands that the cameras never saw, in the wind that was measured on the wig.",
+        groom,
+        motion: &simulated.motion,
+        compared: Some(compared),
+    }];
+    let notes = [
+        "The capture is computed, not filmed: fixtures/demo/README.md says how.".to_owned(),
+        "Method paper takes hair for free particles; its field is a force on this wig, not yet the air's motion.".to_owned(),
+    ];
+    let page = DemoPage {
+        title: "Hair in the wind, measured once, worn by any hairstyle",
+        intro: &intro,
+        source: "gusts.c3d: 4 s of a wig on a mannequin in a gusting wind, embedded in the program",
+        capture: &converted.head,
+        session: &converted.session,
+        field: &converted.eff.field,
+        scene: &converted.eff.scene,
+        hair: &hair,
+        figures: &figures(converted, simulated, effects),
+        stages: &log.stages,
+        folder: &folder.path.display().to_string(),
+        files: &files(folder)?,
+        notes: &notes,
+    };
+    folder.write("index.html", tousle_page::demo_page(&page)?.as_bytes())
+}
+
+fn figures(converted: &Converted, simulated: &Simulation, effects: &EditEffects) -> Vec<Figure> {
+    let figure = |label: &str, value: String, unit: &str, note: String| Figure {
+        label: label.to_owned(),
+        value,
+        unit: unit.to_owned(),
+        note,
+    };
+    let report = &converted.report;
+    let all =
+        (report.raster.n_measured + report.raster.n_interpolated + report.raster.n_outside).max(1) as f64;
+    let mut figures = vec![
+        figure(
+            "lock samples seen",
+            format!("{:.1}", 100.0 * report.capture.seen),
+            "%",
+            format!("of {} markers in {} frames", report.capture.n_trajectories, report.capture.n_frames),
+        ),
+        figure(
+            "head found to",
+            format!("{:.2}", report.head.fit_residual_m.unwrap_or_default() * 1e3),
+            "mm",
+            "rms distance of its markers from their places".to_owned(),
+        ),
+        figure(
+            "voxels measured",
+            format!("{:.1}", 100.0 * report.raster.n_measured as f64 / all),
+            "%",
+            format!(
+                "{:.1} % interpolated, the rest outside",
+                100.0 * report.raster.n_interpolated as f64 / all
+            ),
+        ),
+        figure(
+            "strands blown",
+            simulated.motion.counts.len().to_string(),
+            "",
+            format!("{} steps of {:.2} ms", simulated.report.n_steps, simulated.report.dt_secs * 1e3),
+        ),
+    ];
+    if let Some(residual) = effects.edits.first().and_then(|e| e.residual_mm) {
+        let note =
+            format!("{:.0} mm off before the edit; method paper does not solve for the key", residual.before);
+        figures.push(figure("edited strand off its key", format!("{:.0}", residual.after), "mm", note));
+    }
+    figures
+}
+
+/// Every file in the folder that the demo wrote, with its size.
+fn files(folder: &Folder<'_>) -> anyhow::Result<Vec<FileEntry>> {
+    let known = [
+        ("gusts.c3d", "the capture"),
+        ("session.json", "what the people in the room knew"),
+        ("gusts.eff.mcap", "the wind field"),
+        ("gusts.npz", "the same for NumPy"),
+        ("bob.json", "the other hairstyle"),
+        ("bob.npz", "its motion for NumPy"),
+        ("bob.usda", "its motion for USD: curves and reeds"),
+        ("lift.toml", "an edit: a strand pulled to a key"),
+        ("lifted.eff.mcap", "the field with that edit as a layer"),
+    ];
+    let entry = |(name, what): (&str, &str)| {
+        let bytes = std::fs::metadata(folder.path.join(name))?.len();
+        Ok(FileEntry { name: name.to_owned(), what: what.to_owned(), bytes })
+    };
+    known.into_iter().map(entry).collect()
+}

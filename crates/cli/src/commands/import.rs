@@ -1,0 +1,98 @@
+use super::{check_ending, print_json, write_eff};
+use crate::args::ImportArgs;
+use crate::ui::Outcome;
+use anyhow::Context;
+use serde::Serialize;
+use tousle_core::{Assumption, Pose, PoseTrack, Quantity, STANDARD_GRAVITY, Session, UpAxis};
+use tousle_eff::{Attachment, Eff};
+use tousle_export::FieldNpzOptions;
+use tousle_field::Scene;
+use tousle_pipeline::{GENERATOR, Watch, read_file};
+
+/// What an import took for granted.
+#[derive(Serialize)]
+struct ImportReport {
+    method: &'static str,
+    assumed: Vec<Assumption>,
+}
+
+/// `tousle import`
+pub fn run(args: &ImportArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
+    check_ending(&args.output, &["mcap"])?;
+    let session_bytes = read_file(&args.session)?;
+    let session = tousle_ingest::read_session(&session_bytes)
+        .with_context(|| format!("cannot read the session {}", args.session.display()))?;
+    let mut options = FieldNpzOptions::default();
+    options.extent_m = Some(args.extent_mm.unwrap_or(600.0) * 1e-3);
+    options.quantity = Some(Quantity::AirVelocity);
+    let read = tousle_export::read_field_npz_with(&read_file(&args.wind)?, &options)
+        .with_context(|| format!("cannot read the wind {}", args.wind.display()))?;
+    let mut assumed = session.assumed.clone();
+    assumed.extend(read.assumed);
+    let scene = scene(args, &session, &mut assumed)?;
+    let report = ImportReport { method: "import", assumed };
+    let eff = Eff {
+        name: session.name.clone(),
+        method: report.method.to_owned(),
+        generator: GENERATOR.to_owned(),
+        field: read.field,
+        scene,
+        samples: None,
+        attachments: attachments(session_bytes, &report)?,
+    };
+    let written = write_eff(&eff, &args.output, watch)?;
+    if args.json {
+        print_json(&report)?;
+    } else {
+        for assumption in &report.assumed {
+            println!("   assumed  {} = {} ({})", assumption.what, assumption.value, assumption.why);
+        }
+        println!(
+            "wrote {} ({} steps, {:.1} MB)",
+            args.output.display(),
+            written.n_steps,
+            written.n_bytes as f64 / 1e6
+        );
+    }
+    Ok(Outcome::Fine)
+}
+
+/// The scene around imported wind: from the session, and the head's poses if they are given.
+fn scene(args: &ImportArgs, session: &Session, assumed: &mut Vec<Assumption>) -> anyhow::Result<Scene> {
+    let mut assume = |what: &str, value: &str, why: &str| {
+        assumed.push(Assumption { what: what.to_owned(), value: value.to_owned(), why: why.to_owned() });
+    };
+    let (poses, up_axis) = match &args.head {
+        Some(path) => {
+            let poses = tousle_export::read_poses_npz(&read_file(path)?)
+                .with_context(|| format!("cannot read the head's poses {}", path.display()))?;
+            let up_axis = session
+                .up_axis
+                .context("the session does not say which axis of the world is up: add \"up_axis\"")?;
+            (poses, up_axis)
+        }
+        None => {
+            assume("head pose", "upright and still at the origin", "no --head was given");
+            (PoseTrack::still(Pose::identity()), UpAxis::Z)
+        }
+    };
+    Ok(Scene {
+        rest_pose: poses.poses[0],
+        poses,
+        gravity_world: -up_axis.vector() * STANDARD_GRAVITY,
+        air_density: session.air_density,
+        body: session.body.clone(),
+    })
+}
+
+fn attachments(session: Vec<u8>, report: &ImportReport) -> anyhow::Result<Vec<Attachment>> {
+    let attachment = |name: &str, bytes| Attachment {
+        name: name.to_owned(),
+        media_type: "application/json".to_owned(),
+        bytes,
+    };
+    Ok(vec![
+        attachment("session.json", session),
+        attachment("report.json", serde_json::to_vec_pretty(report)?),
+    ])
+}

@@ -1,0 +1,147 @@
+use super::{print_json, read_file};
+use crate::args::InspectArgs;
+use crate::ui::Outcome;
+use anyhow::Context;
+use std::fmt::Write;
+use tousle_eff::Inspection;
+use tousle_groom::{GroomOptions, GroomReadError, GroomSummary};
+use tousle_ingest::CaptureSummary;
+
+/// The first bytes of every MCAP file.
+const MCAP_MAGIC: &[u8] = b"\x89MCAP0\r\n";
+
+/// `tousle inspect`
+pub fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
+    let bytes = read_file(&args.file)?;
+    let cannot = || format!("cannot inspect {}", args.file.display());
+    if bytes.starts_with(MCAP_MAGIC) {
+        let inspection = tousle_eff::inspect(&bytes[..]).with_context(cannot)?;
+        show(args.json, &inspection, field_table)?;
+    } else if tousle_ingest::guess_format(&bytes).is_some() {
+        show(args.json, &tousle_ingest::summarize(&bytes).with_context(cannot)?, capture_table)?;
+    } else {
+        let mut options = GroomOptions::default();
+        options.unit = args.groom_unit;
+        options.up_axis = args.groom_up;
+        match tousle_groom::inspect_groom(&bytes, &options) {
+            Ok(summary) => show(args.json, &summary, groom_table)?,
+            Err(GroomReadError::UnknownFormat { .. }) => {
+                // Neither a field nor a groom: what a capture reader has to say is the clearest answer.
+                let error = tousle_ingest::summarize(&bytes).err().map(anyhow::Error::from);
+                let error = error.unwrap_or_else(|| anyhow::anyhow!("the format is unknown"));
+                return Err(
+                    error.context(format!("{}: neither a field, nor a groom, nor a capture", cannot()))
+                );
+            }
+            Err(error) => return Err(anyhow::Error::from(error).context(cannot())),
+        }
+    }
+    Ok(Outcome::Fine)
+}
+
+fn show<T: serde::Serialize>(json: bool, summary: &T, table: impl Fn(&T) -> String) -> anyhow::Result<()> {
+    if json {
+        print_json(summary)?;
+    } else {
+        print!("{}", table(summary));
+    }
+    Ok(())
+}
+
+fn field_table(field: &Inspection) -> String {
+    let mut text = String::new();
+    let manifest = &field.manifest;
+    let info = &manifest.field;
+    let [from, to] = field.field_span_secs;
+    let coverage = &field.coverage;
+    let percent = |share: f64| 100.0 * share;
+    let _ = writeln!(
+        text,
+        "field      {}, by method {} ({})",
+        manifest.name, manifest.method, manifest.generator
+    );
+    let _ = writeln!(text, "time       {from:.3} to {to:.3} s at {} Hz", info.rate_hz);
+    let _ = writeln!(text, "grid       {:?} voxels of {} mm", info.grid.dims, info.grid.edge_m * 1e3);
+    let _ = writeln!(
+        text,
+        "coverage   {:.1} % measured, {:.1} % interpolated, {:.1} % outside; {:.1} % measured at some time",
+        percent(coverage.measured),
+        percent(coverage.interpolated),
+        percent(coverage.outside),
+        percent(coverage.ever_measured)
+    );
+    let _ = writeln!(
+        text,
+        "strength   {:.2} in the mean where measured, {:.2} at most",
+        coverage.mean_measured_length, coverage.max_length
+    );
+    let [from, to] = field.pose_span_secs;
+    let _ = writeln!(text, "head       {} poses, {from:.3} to {to:.3} s", manifest.pose.n_poses);
+    for layer in &field.layers {
+        let _ = writeln!(text, "layer      {layer}");
+    }
+    for channel in &field.channels {
+        let _ = writeln!(text, "channel    {:<14} {:>6} messages", channel.topic, channel.n_messages);
+    }
+    for (name, n_bytes) in &field.attachments {
+        let _ = writeln!(text, "attached   {name} ({n_bytes} bytes)");
+    }
+    let _ = writeln!(text, "size       {:.2} MB", field.n_bytes as f64 / 1e6);
+    text
+}
+
+fn capture_table(capture: &CaptureSummary) -> String {
+    let mut text = String::new();
+    let maybe = |value: Option<String>| value.unwrap_or_else(|| "not stated".to_owned());
+    let all = (capture.frames * capture.labels.len()).max(1);
+    let _ = writeln!(text, "capture    {}", capture.format);
+    let _ = writeln!(text, "frames     {} from frame {}", capture.frames, capture.first_frame);
+    let _ = writeln!(text, "rate       {}", maybe(capture.rate_hz.map(|r| format!("{r} Hz"))));
+    let _ = writeln!(text, "unit       {}", maybe(capture.unit.clone()));
+    let _ = writeln!(
+        text,
+        "missing    {} of {all} samples ({:.1} %)",
+        capture.invalid_samples,
+        100.0 * capture.invalid_samples as f64 / all as f64
+    );
+    for other in &capture.other {
+        let _ = writeln!(text, "also       {other}");
+    }
+    for warning in &capture.warnings {
+        let _ = writeln!(text, "warning    {warning}");
+    }
+    let _ = writeln!(text, "\n{:<24} {:>7} {:>6}   mean position", "trajectory", "valid", "");
+    for trajectory in &capture.trajectories {
+        let share = 100.0 * trajectory.valid as f64 / capture.frames.max(1) as f64;
+        let mean =
+            trajectory.mean.map_or_else(String::new, |[x, y, z]| format!("{x:>10.2} {y:>10.2} {z:>10.2}"));
+        let _ = writeln!(text, "{:<24} {:>7} {share:>5.1}%  {mean}", trajectory.label, trajectory.valid);
+    }
+    text
+}
+
+fn groom_table(groom: &GroomSummary) -> String {
+    let mut text = String::new();
+    let _ = writeln!(text, "groom      {}", groom.format);
+    let _ = writeln!(text, "strands    {} with {} control points", groom.strands, groom.points);
+    if let (Some(least), Some(most)) = (groom.counts.iter().min(), groom.counts.iter().max()) {
+        let _ = writeln!(text, "points     {least} to {most} a strand");
+    }
+    let bounds = |[low, high]: [[f64; 3]; 2]| {
+        let axis = |a: usize| format!("{:.3} to {:.3}", low[a], high[a]);
+        format!("x {}, y {}, z {}", axis(0), axis(1), axis(2))
+    };
+    if let Some(file) = groom.bounds_in_file {
+        let _ = writeln!(text, "in file    {}", bounds(file));
+    }
+    if let Some(meters) = groom.bounds_m {
+        let _ = writeln!(text, "bounds, m  {}", bounds(meters));
+    }
+    for assumption in &groom.assumed {
+        let _ = writeln!(text, "assumed    {} = {} ({})", assumption.what, assumption.value, assumption.why);
+    }
+    for warning in &groom.warnings {
+        let _ = writeln!(text, "warning    {warning}");
+    }
+    text
+}
