@@ -8,7 +8,7 @@ use crate::resolve::{Resolved, resolve};
 use crate::{Action, Edit, EditError, EditList, EditOptions, EditOutcome, EditReport, Target, Unreachable};
 use tousle_core::{Groom, Quantity, StrandMotion, Vec3};
 use tousle_field::{FieldLayer, FieldSequence, LayerOrigin, Scene};
-use tousle_rod::collider_gap;
+use tousle_rod::Surface;
 
 /// A field with the layers of some edits on top of those it had.
 #[derive(Clone, Debug, PartialEq)]
@@ -203,8 +203,8 @@ fn unreachable(
     }
     let pose = scene.poses.motion_at(secs).world_from_head;
     let head_from_torso = scene.body.head_from_torso(&pose, &scene.rest_pose);
-    let depth = |k: usize| -collider_gap(&scene.body, k, &head_from_torso, target_m).distance_m;
-    let depths = scene.body.colliders.iter().enumerate().map(|(k, collider)| (depth(k), collider));
+    let surfaces = Surface::of_body(&scene.body, &head_from_torso);
+    let depths = surfaces.iter().map(|s| -s.gap(target_m).distance_m).zip(&scene.body.colliders);
     let (deepest, collider) = depths.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let by_mm = deepest * 1e3;
     (deepest > slack).then(|| Unreachable::InsideBody { collider: collider.name.clone(), by_mm })

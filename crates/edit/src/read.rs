@@ -117,6 +117,18 @@ offset_m = [0, 0.02, 0.05]
     }
 
     #[test]
+    fn the_example_in_the_documentation_is_read() {
+        let docs = include_str!("../../../docs/equations-edit.md");
+        let example = docs.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+        let list = read_edits(example.as_bytes()).unwrap();
+        assert_eq!(
+            (list.edits[0].name.as_str(), list.keys_secs(1).unwrap()),
+            ("lift the fringe", (1.5, 2.0))
+        );
+        assert_eq!(list.edits[0].ease, crate::DEFAULT_EASE);
+    }
+
+    #[test]
     fn errors_say_where() {
         for (from, to, expected) in [
             ("1.5", "1.5.5", "line 7, column 17"),
