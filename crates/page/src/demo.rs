@@ -177,6 +177,14 @@ const SCRIPTS: [&str; 14] = [
     include_str!("../assets/js/main.js"),
 ];
 
+/// What the moving picture adds to the data, said on every page that has one.
+const DRAWN_FOR_THE_EYE: [&str; 2] = [
+    "In the moving picture, hair between the simulated locks is drawn for the eye, blended from the nearest ones; \
+     without \"full\" only the locks are there. So are the face and the rounding where head, neck and shoulders meet.",
+    "Positions on this page are rounded to 0.05 mm, and times in between are interpolated (cubic for hair, linear for \
+     wind and markers); the files hold what was computed.",
+];
+
 /// The demo's page: one HTML document that needs nothing else.
 ///
 /// Positions are quantized to a step of 0.05 mm (error half of that) where all of a motion lies within 1.6 m of
@@ -191,6 +199,7 @@ pub fn demo_page(page: &DemoPage<'_>) -> Result<String, PageError> {
         return Err(PageError::NoPose);
     }
     let mut notes = page.notes.to_vec();
+    notes.extend(DRAWN_FOR_THE_EYE.map(str::to_owned));
     let mut blobs = Vec::new();
     let hair = page
         .hair

@@ -127,6 +127,34 @@ fn the_wind_comes_back_with_its_flags() {
 }
 
 #[test]
+fn a_page_without_hair_or_body_still_shows_the_rest() {
+    let mut bare = made_up(6, 10);
+    bare.session.body.colliders.clear();
+    bare.scene.body.colliders.clear();
+    bare.session.fans.clear();
+    let html = demo_page(&DemoPage {
+        title: "bare",
+        intro: &[],
+        source: "",
+        capture: &bare.capture,
+        session: &bare.session,
+        field: &bare.field,
+        scene: &bare.scene,
+        hair: &[],
+        figures: &[],
+        stages: &[],
+        folder: "",
+        files: &[],
+        notes: &[],
+    })
+    .unwrap();
+    unpack::check_nesting(&html).unwrap();
+    let data = Unpacked::of(&html);
+    assert_eq!(data.json["span_secs"][1].as_f64(), Some(bare.field.end_secs()));
+    assert!(data.json["body"]["shapes"].as_array().unwrap().is_empty());
+}
+
+#[test]
 fn the_same_input_gives_the_same_page() {
     let once = page_of(&made_up(6, 10), "a page").unwrap();
     assert!(once == page_of(&made_up(6, 10), "a page").unwrap());

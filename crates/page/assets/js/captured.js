@@ -73,12 +73,14 @@ class Timeline {
         context.fillText(this.name(row).slice(0, 7), 0, y + rowHeight / 2);
       }
       context.fillStyle = theme.css(row === 0 ? "head-row" : "interpolated");
-      for (let column = 0; column < n; column++) {
+      for (let column = 0, next; column < n; column = next) {
         const share = this.share(row, column);
+        next = column + 1;
+        while (next < n && this.share(row, next) === share) next++;
         if (share === 0) continue;
         // What is complete is quiet; every step down is easy to see.
         context.globalAlpha = share === 1 ? 0.9 : 0.08 + 0.5 * share;
-        context.fillRect(LABEL_PX + column * columnWidth, y, columnWidth + 0.3, rowHeight - gap);
+        context.fillRect(LABEL_PX + column * columnWidth, y, (next - column) * columnWidth, rowHeight - gap);
       }
       context.globalAlpha = 1;
     }

@@ -134,13 +134,10 @@ out vec2 spot;
 out float open, seed, arrives;
 
 struct Curve { vec3 at; float open; vec3 along; float half_width; vec3 normal; };
-Curve curve(int strand, float at) {
-  int k = min(int(at), n_samples - 2);
-  float s = at - float(k);
-  vec4 t[3];
-  for (int i = 0; i < 3; i++)
-    t[i] = mix(texelFetch(curves, ivec2(3 * k + i, strand), 0), texelFetch(curves, ivec2(3 * k + 3 + i, strand), 0), s);
-  return Curve(t[0].xyz, t[0].w, t[1].xyz, t[1].w, t[2].xyz);
+Curve curve(int strand, int k) {
+  vec4 p = texelFetch(curves, ivec2(3 * k, strand), 0);
+  vec4 t = texelFetch(curves, ivec2(3 * k + 1, strand), 0);
+  return Curve(p.xyz, p.w, t.xyz, t.w, texelFetch(curves, ivec2(3 * k + 2, strand), 0).xyz);
 }
 
 void main() {
@@ -149,7 +146,7 @@ void main() {
   float share = float(gl_VertexID >> 1) / float(n_samples - 1);
   float side = float(gl_VertexID & 1) * 2.0 - 1.0;
   float reach = thin > 0.0 ? 1.0 : mix(0.82, 1.0, sqrt(random(a, b + 11u)));
-  float at = share * reach * float(n_samples - 1);
+  int at = int(share * reach * float(n_samples - 1) + 0.5);
   Curve c = curve(strand, at);
 
   if (full > 0.0) {

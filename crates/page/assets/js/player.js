@@ -120,9 +120,11 @@ function wireKeys(player, stage) {
   };
   Object.keys(VIEWS).forEach((name, k) => (actions[k + 1] = () => stage.setView(name)));
   addEventListener("keydown", (event) => {
-    const field = event.target.closest?.("input, select, textarea, button, summary");
-    // Space on a button presses that button, arrows in a slider move that slider; the time's own slider is ours.
-    if ((field && field.id !== "scrub") || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    // Arrows in a slider move that slider (the time's own is ours); space on a button presses that button.
+    const typed = event.target.closest?.("input, select, textarea");
+    if (typed && typed.id !== "scrub") return;
+    if (event.key === " " && event.target.closest?.("button, summary")) return;
     const action = actions[event.key] ?? actions[event.key.toLowerCase()];
     if (!action) return;
     event.preventDefault();

@@ -7,7 +7,6 @@ const SLICE_VIEWS = [
   { right: [1, -1], above: [0, 1], names: ["subject's left", "right", "back", "front"] },
 ];
 const AXIS_NAMES = ["x", "y", "z"];
-const MARGIN_PX = 42;
 
 class Slice {
   constructor(wind, bust, sources) {
@@ -99,7 +98,8 @@ class Slice {
     this.columns = dims[right[0]];
     this.rows = dims[above[0]];
     const { context, width, height } = fitted(this.canvas);
-    this.cell = Math.min((width - 2 * MARGIN_PX) / this.columns, (height - 2 * MARGIN_PX) / this.rows);
+    this.margin = clamp(0.08 * width, 26, 42);
+    this.cell = Math.min((width - 2 * this.margin) / this.columns, (height - 2 * this.margin) / this.rows);
     this.left = (width - this.cell * this.columns) / 2;
     this.bottom = (height + this.cell * this.rows) / 2;
     const moment = this.wind.at(time);
@@ -135,7 +135,7 @@ class Slice {
       const share = clamp(norm(vector) / (top || 1), 0, 1);
       const [x, y] = [left + i * cell, bottom - (j + 1) * cell];
       context.fillStyle = `rgb(${(flag === 0 ? faint : colors)[Math.round(255 * share)]})`;
-      context.fillRect(x, y, cell + 0.4, cell + 0.4);
+      context.fillRect(Math.floor(x), Math.floor(y), Math.ceil(cell) + 1, Math.ceil(cell) + 1);
       if (flag === 2) measured.push([x, y]);
     });
     this.drawOutsideEdge(context, moment);
@@ -286,7 +286,7 @@ class Slice {
     const [cx, cy] = [this.left + halfW, this.bottom - halfH];
     const [dx, dy] = [u / size, v / size];
     const toFrame = Math.min(halfW / Math.max(Math.abs(dx), 1e-6), halfH / Math.max(Math.abs(dy), 1e-6));
-    const length = clamp(size / this.wind.data.top, 0.25, 1.25) * (MARGIN_PX - 12);
+    const length = clamp(size / this.wind.data.top, 0.25, 1.25) * (this.margin - 10);
     const path = new Path2D();
     const by = toFrame + 4 + length / 2;
     arrowPath(path, cx - dx * by, cy - dy * by, dx * length, dy * length, 8);

@@ -6,7 +6,7 @@ class Stage {
   constructor(canvas, body, bust, leeward) {
     const software = rendersInSoftware();
     const gl = canvas.getContext("webgl2", { antialias: !software, alpha: false, powerPreference: "high-performance" });
-    if (!gl) throw new Error("this browser offers no WebGL2, so the hair cannot be shown moving; the rest of the page works");
+    if (!gl) throw new Error("this browser offers no WebGL2. The rest of the page works");
     Object.assign(this, { canvas, gl, body, bust, software });
     this.camera = new Camera(canvas, body.up, bust.skull?.center_m ?? [0, 0, 0], leeward);
     this.shown = { hair: true, full: true, compared: false, markers: false, wind: false, slice: false };
@@ -30,7 +30,7 @@ class Stage {
       marker: new Program(gl, MARKER_VERTEX, MARKER_FRAGMENT),
       thread: new Program(gl, THREAD_VERTEX, THREAD_FRAGMENT),
       arrow: new Program(gl, ARROW_VERTEX, ARROW_FRAGMENT),
-      backdrop: new Program(gl, BACKDROP_VERTEX, BACKDROP_FRAGMENT),
+      backdrop: new Program(gl, BACKDROP_VERTEX, this.software ? BACKDROP_PLAIN_FRAGMENT : BACKDROP_FRAGMENT),
     };
     this.shadow = shadowMap(gl, this.software ? 512 : 1024);
     this.nothing = gl.createVertexArray();
@@ -355,6 +355,14 @@ void main() {
 }`;
 
 const BACKDROP_FRAGMENT = `
+in vec3 glow;
+out vec4 color;
+void main() {
+  // Less than a step of noise keeps the gradient from showing its steps (Jimenez 2014).
+  float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
+  color = vec4(glow + noise / 255.0, 1.0);
+}`;
+const BACKDROP_PLAIN_FRAGMENT = `
 in vec3 glow;
 out vec4 color;
 void main() { color = vec4(glow, 1.0); }`;

@@ -16,7 +16,7 @@ pub(super) fn section(page: &DemoPage<'_>) -> String {
          <p class=\"note\">One row a lock; darker where more of its markers were seen, a break where none was. \
          Click to go there.</p>\n\
          <div class=\"timeline\"><canvas id=\"timeline\" role=\"img\" aria-label=\"Visible markers of each lock \
-         over time\"></canvas><output id=\"timeline-tip\" class=\"tip\" hidden></output></div>\n</div>\n\
+         over time\"></canvas><span id=\"timeline-tip\" class=\"tip\" hidden></span></div>\n</div>\n\
          <div class=\"card\"><h3>The head's pose</h3>\n{}</div>\n\
          <details class=\"card\"><summary>The {} measured locks</summary>\n{}</details>\n</section>\n",
         escape(page.source),
