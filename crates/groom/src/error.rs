@@ -8,7 +8,7 @@ use crate::GroomFormat;
 pub enum GroomReadError {
     /// The bytes are in no format that is known here.
     #[error(
-        "found bytes that start with {start:?}, expected a groom: JSON, .hair, .data, .bin, .ply or .usda"
+        "found bytes that start with {start:?}, expected a groom: JSON, .hair, .data, .bin, .ply, .usda or .abc"
     )]
     UnknownFormat {
         /// How the bytes start.

@@ -1,5 +1,8 @@
 //! The formats, and which one some bytes are in.
 
+mod alembic;
+mod curve;
+mod curves;
 mod hair;
 mod json;
 mod ply;
@@ -30,10 +33,12 @@ pub enum GroomFormat {
     Ply,
     /// USD's text form.
     Usda,
+    /// Alembic in an Ogawa container.
+    Alembic,
 }
 
 impl GroomFormat {
-    /// The format's name in files and reports: `json`, `hair`, `data`, `bin`, `ply`, `usda`.
+    /// The format's name in files and reports: `json`, `hair`, `data`, `bin`, `ply`, `usda`, `alembic`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Json => "json",
@@ -42,6 +47,7 @@ impl GroomFormat {
             Self::Bin => "bin",
             Self::Ply => "ply",
             Self::Usda => "usda",
+            Self::Alembic => "alembic",
         }
     }
 }
@@ -50,6 +56,7 @@ impl fmt::Display for GroomFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Json => f.write_str("JSON"),
+            Self::Alembic => f.write_str("Alembic"),
             other => write!(f, ".{}", other.name()),
         }
     }
@@ -64,6 +71,8 @@ pub(crate) fn read_raw(bytes: &[u8]) -> Result<(GroomFormat, RawGroom), GroomRea
         GroomFormat::Usda
     } else if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r\n") {
         GroomFormat::Ply
+    } else if bytes.starts_with(b"Ogawa") {
+        GroomFormat::Alembic
     } else if let Some(error) = known_but_not_read(bytes) {
         return Err(error);
     } else if let Some(format) = usc::recognize(bytes) {
@@ -81,6 +90,7 @@ pub(crate) fn read_raw(bytes: &[u8]) -> Result<(GroomFormat, RawGroom), GroomRea
         GroomFormat::Data | GroomFormat::Bin => usc::read(bytes, format),
         GroomFormat::Ply => ply::read(bytes),
         GroomFormat::Usda => usda::read(text),
+        GroomFormat::Alembic => alembic::read(bytes),
     }?;
     check_finite(&raw, format)?;
     Ok((format, raw))
@@ -91,8 +101,8 @@ fn known_but_not_read(bytes: &[u8]) -> Option<GroomReadError> {
         ("binary USD (usdc)", "write it as text with `usdcat FILE -o FILE.usda`")
     } else if bytes.starts_with(b"PK\x03\x04") {
         ("a zip archive (usdz?)", "unpack it and write its layer as text with `usdcat`")
-    } else if bytes.starts_with(b"Ogawa") || bytes.starts_with(b"\x89HDF") {
-        ("Alembic", "export the curves as .usda")
+    } else if bytes.starts_with(b"\x89HDF") {
+        ("Alembic in HDF5", "write it again with a newer Alembic (Ogawa), or export the curves as .usda")
     } else {
         return None;
     };

@@ -12,6 +12,7 @@
 //! | `.data`, `.bin` (USC-HairSalon) | neither | |
 //! | `.ply` with strands (`CT2Hair`) | neither | |
 //! | USD text (`.usda`) with `BasisCurves` | both | transforms resolved, references and variants not |
+//! | Alembic (`.abc`, Ogawa) with curves | neither | transforms resolved |
 //!
 //! ```
 //! let json = br#"{"note": "any text", "strands": [

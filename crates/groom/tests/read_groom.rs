@@ -46,6 +46,7 @@ fn binary(format: GroomFormat) -> Vec<u8> {
             (0..5).for_each(|_| point(&mut bytes));
             bytes.extend([1, 2]);
         }
+        GroomFormat::Alembic => bytes = alembic(),
         _ => {
             bytes.extend(2_i32.to_le_bytes());
             for n in [2_i32, 3] {
@@ -60,7 +61,94 @@ fn binary(format: GroomFormat) -> Vec<u8> {
     bytes
 }
 
-const BINARY: [GroomFormat; 4] = [GroomFormat::Hair, GroomFormat::Data, GroomFormat::Bin, GroomFormat::Ply];
+const BINARY: [GroomFormat; 5] =
+    [GroomFormat::Hair, GroomFormat::Data, GroomFormat::Bin, GroomFormat::Ply, GroomFormat::Alembic];
+
+/// Puts data or a group behind what is there; gives the offset that a parent holds.
+fn put(archive: &mut Vec<u8>, count: usize, body: &[u8], is_data: bool) -> u64 {
+    let offset = archive.len() as u64;
+    archive.extend((count as u64).to_le_bytes());
+    archive.extend(body);
+    if is_data { offset | 1 << 63 } else { offset }
+}
+
+fn put_data(archive: &mut Vec<u8>, body: &[u8]) -> u64 {
+    put(archive, body.len(), body, true)
+}
+
+fn put_group(archive: &mut Vec<u8>, children: &[u64]) -> u64 {
+    let body: Vec<u8> = children.iter().flat_map(|c| c.to_le_bytes()).collect();
+    put(archive, children.len(), &body, false)
+}
+
+/// A property with one sample: its group, and its header with a one-byte name length.
+fn put_property(
+    archive: &mut Vec<u8>,
+    name: &str,
+    is_array: bool,
+    pod: u32,
+    values: &[u8],
+) -> (u64, Vec<u8>) {
+    let data = put_data(archive, &[&[0; 16], values].concat());
+    // An array's sample has dimensions of its own; none means as many as there are values.
+    let group = if is_array { put_group(archive, &[data, 1 << 63]) } else { put_group(archive, &[data]) };
+    let bits = (if is_array { 2 } else { 1 }) | pod << 4 | 1 << 20;
+    let mut header = bits.to_le_bytes().to_vec();
+    header.extend([1, name.len() as u8]);
+    header.extend(name.as_bytes());
+    (group, header)
+}
+
+/// A compound of properties, and its header.
+fn put_compound(archive: &mut Vec<u8>, name: &str, properties: Vec<(u64, Vec<u8>)>) -> (u64, Vec<u8>) {
+    let (mut children, headers): (Vec<u64>, Vec<Vec<u8>>) = properties.into_iter().unzip();
+    children.push(put_data(archive, &headers.concat()));
+    let group = put_group(archive, &children);
+    let header = [&(1_u32 << 20).to_le_bytes()[..], &[name.len() as u8], name.as_bytes()].concat();
+    (group, header)
+}
+
+/// An object of one compound and some named children.
+fn put_object(archive: &mut Vec<u8>, properties: (u64, Vec<u8>), objects: &[(&str, u64)]) -> u64 {
+    let (top, _) = put_compound(archive, "", vec![properties]);
+    let mut names = Vec::new();
+    let mut children = vec![top];
+    for (name, object) in objects {
+        names.extend((name.len() as u32).to_le_bytes());
+        names.extend(name.as_bytes());
+        names.push(1);
+        children.push(*object);
+    }
+    names.extend([0; 32]);
+    children.push(put_data(archive, &names));
+    put_group(archive, &children)
+}
+
+/// The curves of [`binary`], written 1 lower along x, under a transform that moves them back.
+fn alembic() -> Vec<u8> {
+    let floats = |v: &[f32]| v.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    let points: Vec<f32> = (1..=5_u8).flat_map(|k| [f32::from(k) - 1.0, 10.0, -f32::from(k)]).collect();
+    let mut archive = b"Ogawa\xff\x00\x01\0\0\0\0\0\0\0\0".to_vec();
+    let geometry = vec![
+        put_property(&mut archive, "P", true, 10, &floats(&points)),
+        put_property(&mut archive, "nVertices", true, 6, &[2, 0, 0, 0, 3, 0, 0, 0]),
+        put_property(&mut archive, "curveBasisAndType", false, 1, &[1, 0, 0, 0]),
+    ];
+    let geometry = put_compound(&mut archive, ".geom", geometry);
+    let curves = put_object(&mut archive, geometry, &[]);
+    let moved: Vec<u8> = [1.0_f64, 0.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let xform = vec![
+        put_property(&mut archive, ".ops", false, 1, &[1 << 4]),
+        put_property(&mut archive, ".vals", false, 11, &moved),
+    ];
+    let xform = put_compound(&mut archive, ".xform", xform);
+    let parent = put_object(&mut archive, xform, &[("hair", curves)]);
+    let nothing = put_compound(&mut archive, ".other", Vec::new());
+    let top = put_object(&mut archive, nothing, &[("head", parent)]);
+    let root = put_group(&mut archive, &[1 << 63, 1 << 63, top, 1 << 63, 1 << 63, 1 << 63]);
+    archive[8..16].copy_from_slice(&root.to_le_bytes());
+    archive
+}
 
 fn told(unit: LengthUnit, up: UpAxis, forward: Axis) -> GroomOptions {
     let mut options = GroomOptions::default();
@@ -135,7 +223,8 @@ fn what_is_no_groom_says_so() {
         (b"hello, hair", "found bytes that start with \"hello, hair\""),
         (b"PXR-USDC........", "usdcat FILE -o FILE.usda"),
         (b"PK\x03\x04....", "unpack it"),
-        (b"Ogawa...........", "export the curves as .usda"),
+        (b"\x89HDF\r\n\x1a\n....", "export the curves as .usda"),
+        (b"Ogawa\xff\x00\x01", "Alembic groom, the header: found 8 bytes"),
         (b"#usda 1.0\n", "no BasisCurves"),
         (b"{\"strands\": []}", "the groom has no strands"),
         (b"{\"strands\": [{\"rest_curve_m\": [[0,0,0]]}]}", "the groom has no strands"),

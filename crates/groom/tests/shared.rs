@@ -37,6 +37,7 @@ fn every_hairstyle_loads_with_its_counts() {
         ("ct2hair--Bangs_100.hair", GroomFormat::Hair, 100, 1165, 5..=21),
         ("ct2hair--Bangs_100.data", GroomFormat::Data, 100, 1165, 5..=21),
         ("ct2hair--Bangs_100.bin", GroomFormat::Bin, 100, 1165, 5..=21),
+        ("ct2hair--Bangs_100.abc", GroomFormat::Alembic, 100, 1165, 5..=21),
         ("ct2hair--Bangs_100.ply", GroomFormat::Ply, 100, 1165, 5..=21),
         ("arnold-usd--0179-houdini-groom-bspline.usda", GroomFormat::Usda, 285, 3135, 11..=11),
         ("arnold-usd--0189-houdini-guides-linear.usda", GroomFormat::Usda, 2484, 22_356, 9..=9),
@@ -61,12 +62,14 @@ fn every_hairstyle_loads_with_its_counts() {
 }
 
 #[test]
-fn one_hairstyle_in_four_containers_is_the_same() {
+fn one_hairstyle_in_five_containers_is_the_same() {
     let Some(shared) = shared() else { return };
     let read = |name: &str| read_groom(&hairstyle(&shared, name), &told()).unwrap().groom;
     let expected = read("ct2hair--Bangs_100.hair");
     assert_eq!(read("ct2hair--Bangs_100.data"), expected);
     assert_eq!(read("ct2hair--Bangs_100.bin"), expected);
+    let of_curves = |name: &str| read(name).strands.into_iter().map(|s| s.rest_curve_m).collect::<Vec<_>>();
+    assert_eq!(of_curves("ct2hair--Bangs_100.abc"), of_curves("ct2hair--Bangs_100.hair"));
     // The PLY is rounded to about 5e-4 of a millimeter.
     for (a, b) in read("ct2hair--Bangs_100.ply").strands.iter().zip(&expected.strands) {
         assert_eq!(a.rest_curve_m.len(), b.rest_curve_m.len());

@@ -7,7 +7,6 @@
 //!
 //! Source: Pixar, "Usda file format specification"; `UsdGeomBasisCurves` and `UsdGeomXformable` for the meaning.
 
-mod curve;
 mod curves;
 mod layer;
 mod lexer;
@@ -18,6 +17,7 @@ use nalgebra::Matrix4;
 use tousle_core::UpAxis;
 
 use super::GroomFormat;
+use super::curves::Curves;
 use crate::error::GroomReadError;
 use crate::raw::RawGroom;
 use layer::{Layer, Prim, Specifier, Value};
@@ -30,14 +30,33 @@ pub(super) fn read(text: &[u8]) -> Result<RawGroom, GroomReadError> {
         bad(format!("byte {}", error.valid_up_to()), "bytes that are no text", "UTF-8 text")
     })?;
     let layer = parser::parse(text)?;
-    let mut raw = RawGroom { warnings: layer.warnings.clone(), ..RawGroom::default() };
-    raw.unit_m = Some(unit(&layer, &mut raw.warnings)?);
-    raw.up_axis = Some(up_axis(&layer, &mut raw.warnings)?);
-    let mut walk = Walk { raw, n_curves: 0, n_cubic: 0, n_animated: 0 };
+    let mut curves = Curves::default();
+    curves.raw.warnings = layer.warnings.clone();
+    curves.raw.unit_m = Some(unit(&layer, &mut curves.raw.warnings)?);
+    curves.raw.up_axis = Some(up_axis(&layer, &mut curves.raw.warnings)?);
     for prim in &layer.prims {
-        walk.visit(prim, "", &Matrix4::identity())?;
+        visit(prim, "", &Matrix4::identity(), &mut curves)?;
     }
-    walk.finish()
+    curves.finish().ok_or_else(|| bad("the layer".to_owned(), "no BasisCurves", "some"))
+}
+
+/// Takes in a prim's curves and those below it. `over` and `class` prims are opinions, not things.
+fn visit(
+    prim: &Prim,
+    parent: &str,
+    world_from_parent: &Matrix4<f64>,
+    curves: &mut Curves,
+) -> Result<(), GroomReadError> {
+    if prim.specifier != Specifier::Def {
+        return Ok(());
+    }
+    let path = format!("{parent}/{}", prim.name);
+    let local = xform::local(prim, &path)?;
+    let world_from_prim = if local.resets { local.matrix } else { world_from_parent * local.matrix };
+    if prim.type_name == "BasisCurves" {
+        curves.take(&curves::control(prim, &path)?, &world_from_prim)?;
+    }
+    prim.children.iter().try_for_each(|child| visit(child, &path, &world_from_prim, curves))
 }
 
 fn unit(layer: &Layer, warnings: &mut Vec<String>) -> Result<f64, GroomReadError> {
@@ -61,65 +80,6 @@ fn up_axis(layer: &Layer, warnings: &mut Vec<String>) -> Result<UpAxis, GroomRea
         Some(Some("Y")) => Ok(UpAxis::Y),
         Some(Some("Z")) => Ok(UpAxis::Z),
         Some(found) => Err(bad("upAxis".to_owned(), &format!("{found:?}"), "\"Y\" or \"Z\"")),
-    }
-}
-
-/// The way through the prims, and what it comes across.
-struct Walk {
-    raw: RawGroom,
-    n_curves: usize,
-    n_cubic: usize,
-    n_animated: usize,
-}
-
-impl Walk {
-    /// Takes in a prim's curves and those below it. `over` and `class` prims are opinions, not things.
-    fn visit(
-        &mut self,
-        prim: &Prim,
-        parent: &str,
-        world_from_parent: &Matrix4<f64>,
-    ) -> Result<(), GroomReadError> {
-        if prim.specifier != Specifier::Def {
-            return Ok(());
-        }
-        let path = format!("{parent}/{}", prim.name);
-        let local = xform::local(prim, &path)?;
-        let world_from_prim = if local.resets { local.matrix } else { world_from_parent * local.matrix };
-        if prim.type_name == "BasisCurves" {
-            let read = curves::read(prim, &path, &world_from_prim)?;
-            self.n_curves += 1;
-            self.n_cubic += usize::from(read.is_cubic);
-            self.n_animated += usize::from(read.is_animated);
-            self.raw.warnings.extend(read.warnings);
-            self.raw.strands.extend(read.strands);
-        }
-        prim.children.iter().try_for_each(|child| self.visit(child, &path, &world_from_prim))
-    }
-
-    fn finish(mut self) -> Result<RawGroom, GroomReadError> {
-        if self.n_curves == 0 {
-            return Err(bad("the layer".to_owned(), "no BasisCurves", "some"));
-        }
-        let warnings = &mut self.raw.warnings;
-        if self.n_cubic > 0 {
-            warnings.push(format!(
-                "{} cubic BasisCurves: their control points are not on the curve; as many points, evenly along it, \
-                 stand for them",
-                self.n_cubic
-            ));
-        }
-        if self.n_animated > 0 {
-            warnings.push(format!(
-                "{} animated BasisCurves: their first sample is the rest pose",
-                self.n_animated
-            ));
-        }
-        // With one prim of curves, its strands are known by their numbers alone.
-        if self.n_curves == 1 {
-            self.raw.strands.iter_mut().for_each(|s| s.name = None);
-        }
-        Ok(self.raw)
     }
 }
 

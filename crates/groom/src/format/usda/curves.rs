@@ -1,66 +1,26 @@
-//! One `BasisCurves` prim: its strands in the layer's own space.
-
-use nalgebra::{Matrix4, Point3};
-use tousle_core::Vec3;
+//! One `BasisCurves` prim.
 
 use super::bad;
-use super::curve::{Basis, evenly};
 use super::layer::Prim;
 use crate::error::GroomReadError;
-use crate::raw::RawStrand;
+use crate::format::GroomFormat;
+use crate::format::curve::Basis;
+use crate::format::curves::{Control, Kind};
 
-/// What a prim gave.
-pub(super) struct Curves {
-    pub(super) strands: Vec<RawStrand>,
-    /// Whether control points were exchanged for points on the curve.
-    pub(super) is_cubic: bool,
-    /// Whether points change over time.
-    pub(super) is_animated: bool,
-    pub(super) warnings: Vec<String>,
-}
-
-pub(super) fn read(
-    prim: &Prim,
-    path: &str,
-    world_from_prim: &Matrix4<f64>,
-) -> Result<Curves, GroomReadError> {
-    let counts = counts(prim, path)?;
-    let points = points(prim, path, counts.iter().sum(), world_from_prim)?;
-    let kind = kind(prim, path)?;
-    let mut warnings = Vec::new();
-    let widths = widths(prim, &counts, mean_scale(world_from_prim), path, &mut warnings);
-    let mut strands = Vec::new();
-    let mut n_without_curve = 0;
-    let mut first = 0;
-    for (k, n) in counts.iter().enumerate() {
-        let control = &points[first..first + n];
-        first += n;
-        let on_curve = match kind {
-            Kind::Polyline => Some(control.to_vec()),
-            Kind::Cubic { basis, pinned } => evenly(basis, pinned, control, *n),
-        };
-        n_without_curve += usize::from(on_curve.is_none());
-        strands.push(RawStrand {
-            name: Some(format!("{path}[{k}]")),
-            drawn_width: widths.as_ref().map(|w| w[k]),
-            ..RawStrand::of_points(on_curve.unwrap_or_default())
-        });
-    }
-    if n_without_curve > 0 {
-        warnings.push(format!("{path}: {n_without_curve} curves have too few control points to be drawn"));
-    }
-    let is_animated = prim.is_animated("points");
-    Ok(Curves { strands, is_cubic: kind != Kind::Polyline, is_animated, warnings })
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    /// The control points are on the curve.
-    Polyline,
-    Cubic {
-        basis: Basis,
-        pinned: bool,
-    },
+/// A prim's control points and what they mean.
+pub(super) fn control<'a>(prim: &'a Prim, path: &'a str) -> Result<Control<'a>, GroomReadError> {
+    let Some(counts) = prim.numbers("curveVertexCounts") else {
+        return Err(bad(path.to_owned(), "no curveVertexCounts", "a count for each curve"));
+    };
+    Ok(Control {
+        format: GroomFormat::Usda,
+        path,
+        kind: kind(prim, path)?,
+        counts,
+        points: prim.numbers("points").unwrap_or_default(),
+        widths: prim.numbers("widths"),
+        is_animated: prim.is_animated("points"),
+    })
 }
 
 /// How control points make a curve; USD's own fallbacks where the prim does not say: cubic, Bézier, open.
@@ -89,113 +49,43 @@ fn kind(prim: &Prim, path: &str) -> Result<Kind, GroomReadError> {
     Ok(Kind::Cubic { basis, pinned })
 }
 
-fn counts(prim: &Prim, path: &str) -> Result<Vec<usize>, GroomReadError> {
-    let Some(numbers) = prim.numbers("curveVertexCounts") else {
-        return Err(bad(path.to_owned(), "no curveVertexCounts", "a count for each curve"));
-    };
-    let count = |x: &f64| (x.fract() == 0.0 && (0.0..=1e9).contains(x)).then_some(*x as usize);
-    let counts: Option<Vec<usize>> = numbers.iter().map(count).collect();
-    counts.ok_or_else(|| bad(path.to_owned(), "curveVertexCounts that are no counts", "whole numbers"))
-}
-
-/// Control points in the layer's own space.
-fn points(
-    prim: &Prim,
-    path: &str,
-    n: usize,
-    world_from_prim: &Matrix4<f64>,
-) -> Result<Vec<Vec3>, GroomReadError> {
-    let numbers = prim.numbers("points").unwrap_or_default();
-    if n.checked_mul(3) != Some(numbers.len()) {
-        let found = format!("{} points", numbers.len() as f64 / 3.0);
-        return Err(bad(path.to_owned(), &found, &format!("{n}, the sum of curveVertexCounts")));
-    }
-    let place = |p: &[f64]| world_from_prim.transform_point(&Point3::new(p[0], p[1], p[2])).coords;
-    Ok(numbers.chunks_exact(3).map(place).collect())
-}
-
-/// The mean width of each curve. How many there are tells what they belong to: all, a curve, a point.
-fn widths(
-    prim: &Prim,
-    counts: &[usize],
-    scale: f64,
-    path: &str,
-    warnings: &mut Vec<String>,
-) -> Option<Vec<f64>> {
-    let widths = prim.numbers("widths").filter(|w| !w.is_empty())?;
-    let n_points: usize = counts.iter().sum();
-    let of_curves: Vec<f64> = if widths.len() == 1 {
-        vec![widths[0]; counts.len()]
-    } else if widths.len() == counts.len() {
-        widths.to_vec()
-    } else if widths.len() == n_points {
-        let mut rest = widths;
-        let mut mean = |n: &usize| {
-            let (these, others) = rest.split_at(*n);
-            rest = others;
-            these.iter().sum::<f64>() / *n as f64
-        };
-        counts.iter().map(&mut mean).collect()
-    } else {
-        let found = widths.len();
-        warnings.push(format!("{path}: {found} widths, neither one, nor one a curve or a point: not used"));
-        return None;
-    };
-    Some(of_curves.into_iter().map(|w| w * scale).collect())
-}
-
-/// How much longer things get on average: the cube root of how much more room they take.
-fn mean_scale(matrix: &Matrix4<f64>) -> f64 {
-    libm::cbrt(matrix.fixed_view::<3, 3>(0, 0).determinant().abs())
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::parser::parse;
     use super::*;
 
-    fn curves(body: &str) -> Result<Curves, GroomReadError> {
-        let layer = parse(&format!("def BasisCurves \"c\" {{ {body} }}"))?;
-        let doubled = Matrix4::new_scaling(2.0);
-        read(&layer.prims[0], "/c", &doubled)
+    fn kind_of(body: &str) -> Result<Kind, GroomReadError> {
+        let layer = parse(&format!("def BasisCurves \"c\" {{ int[] curveVertexCounts = [2] {body} }}"))?;
+        control(&layer.prims[0], "/c").map(|c| c.kind)
     }
 
-    const POINTS: &str = "int[] curveVertexCounts = [2, 3] \
-                          point3f[] points = [(0,0,0), (0,0,1), (1,0,0), (1,0,1), (1,0,2)] ";
-
     #[test]
-    fn linear_curves_and_their_widths() {
-        for (widths, expected) in [
-            ("", None),
-            ("float[] widths = [0.5]", Some([1.0, 1.0])),
-            ("float[] widths = [1, 2]", Some([2.0, 4.0])),
-            ("float[] widths = [1, 2, 1, 1, 4]", Some([3.0, 4.0])),
-            ("float[] widths = [1, 2, 3]", None),
+    fn kinds() {
+        let cubic = |basis, pinned| Kind::Cubic { basis, pinned };
+        for (body, expected) in [
+            ("", cubic(Basis::Bezier, false)),
+            ("uniform token basis = \"\" uniform token type = \"linear\"", Kind::Polyline),
+            ("uniform token basis = \"bspline\"", cubic(Basis::Bspline, false)),
+            ("token basis = \"bspline\" token wrap = \"pinned\"", cubic(Basis::Bspline, true)),
+            ("token basis = \"catmullRom\"", cubic(Basis::CatmullRom, false)),
+            ("token basis = \"catmullRom\" token wrap = \"pinned\"", Kind::Polyline),
         ] {
-            let read = curves(&format!("{POINTS} uniform token type = \"linear\" {widths}")).unwrap();
-            assert!(!read.is_cubic);
-            assert_eq!(read.strands[1].points[2], Vec3::new(2.0, 0.0, 4.0));
-            assert_eq!(read.strands[1].name.as_deref(), Some("/c[1]"));
-            let found: Vec<_> = read.strands.iter().map(|s| s.drawn_width).collect();
-            assert_eq!(found, expected.map_or(vec![None, None], |e| e.map(Some).to_vec()));
-            assert_eq!(read.warnings.len(), usize::from(widths.contains("3]")));
+            assert_eq!(kind_of(body).unwrap(), expected, "{body}");
         }
     }
 
     #[test]
-    fn what_cannot_be_drawn_says_why() {
+    fn kinds_that_make_no_strand() {
         for (body, says) in [
-            ("point3f[] points = []", "no curveVertexCounts"),
-            ("int[] curveVertexCounts = [1.5]", "curveVertexCounts that are no counts"),
-            ("int[] curveVertexCounts = [1000000000, 1000000000]", "found 0 points, expected 2000000000"),
-            (&format!("{POINTS} uniform token type = \"nurbs\""), "type \"nurbs\""),
-            (&format!("{POINTS} uniform token basis = \"power\""), "basis \"power\""),
-            (&format!("{POINTS} uniform token wrap = \"periodic\""), "wrap \"periodic\""),
+            ("token type = \"nurbs\"", "type \"nurbs\""),
+            ("token basis = \"power\"", "basis \"power\""),
+            ("token wrap = \"periodic\"", "wrap \"periodic\""),
         ] {
-            let error = curves(body).err().unwrap().to_string();
+            let error = kind_of(body).unwrap_err().to_string();
             assert!(error.contains(says), "{says}: {error}");
         }
-        let read = curves(&format!("{POINTS} uniform token basis = \"bspline\"")).unwrap();
-        assert_eq!(read.warnings, ["/c: 2 curves have too few control points to be drawn"]);
+        let layer = parse("def BasisCurves \"c\" { }").unwrap();
+        let error = control(&layer.prims[0], "/c").err().unwrap().to_string();
+        assert!(error.contains("no curveVertexCounts"), "{error}");
     }
 }
