@@ -84,7 +84,10 @@ pub enum Warning {
         n_parameters: usize,
     },
     /// Header and parameters disagree.
-    #[error("{quantity}: the header says {header}, {parameter} says {stated}, {used} is used")]
+    #[error(
+        "{quantity}: the header says {}, {parameter} says {}, {} is used",
+        short(.header), short(.stated), short(.used)
+    )]
     Contradiction {
         /// What they disagree on.
         quantity: Quantity,
@@ -98,7 +101,10 @@ pub enum Warning {
         used: f64,
     },
     /// A number was found by what fits the file's size, because nothing in the file says it rightly.
-    #[error("{quantity}: {used} is used because it fits the file's size, the header says {header}")]
+    #[error(
+        "{quantity}: {} is used because it fits the file's size, the header says {}",
+        short(.used), short(.header)
+    )]
     Fitted {
         /// Which number.
         quantity: Quantity,
@@ -182,5 +188,31 @@ impl fmt::Display for Quantity {
             Self::Rate => "rate",
             Self::DataStart => "data start block",
         })
+    }
+}
+
+/// As few digits as tell a number of the file, mostly a 32-bit float, from its neighbors.
+fn short(number: &f64) -> String {
+    let single = *number as f32;
+    if f64::from(single) == *number { single.to_string() } else { number.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_contradiction_reads_like() {
+        let warning = |quantity, header, stated| Warning::Contradiction {
+            quantity,
+            header,
+            parameter: "POINT:X",
+            stated,
+            used: header,
+        };
+        let scale = warning(Quantity::Scale, -1.0, f64::from(-0.01_f32)).to_string();
+        assert_eq!(scale, "scale: the header says -1, POINT:X says -0.01, -1 is used");
+        let frames = warning(Quantity::Frames, 65535.0, 16_777_217.0).to_string();
+        assert_eq!(frames, "frames: the header says 65535, POINT:X says 16777217, 65535 is used");
     }
 }
