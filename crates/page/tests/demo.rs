@@ -166,6 +166,21 @@ fn a_page_of_the_demos_size_stays_small() {
     assert!(html.len() < 6_000_000, "{}", html.len());
 }
 
+/// Noise cannot be packed: the page shows it at fewer times and says so.
+#[test]
+fn a_field_of_noise_does_not_swell_the_page() {
+    let mut noisy = made_up(6, 30);
+    let mut state = 1_u32;
+    for u in noisy.field.steps.iter_mut().flat_map(|s| &mut s.u) {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        *u = (state >> 8) as f32 / (1 << 24) as f32 - 0.5;
+    }
+    let html = page_of(&noisy, "noise").unwrap();
+    assert!(html.len() < 6_000_000, "{}", html.len());
+    assert!(html.contains("This page shows the field 3.75 times a second"));
+    assert_eq!(Unpacked::of(&html).json["wind"]["n_steps"], 15);
+}
+
 #[test]
 fn what_does_not_fit_is_refused_with_its_place() {
     let mut broken = made_up(6, 10);

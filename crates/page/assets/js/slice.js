@@ -55,7 +55,7 @@ class Slice {
       context.fillRect(x, 0, 1.5, height);
     }
     const { top, unit: name } = this.wind.data;
-    this.controls.top.textContent = `${top.toPrecision(2)} ${name} and more`;
+    this.controls.top.textContent = `${top < 100 ? top.toPrecision(2) : top.toFixed(0)} ${name} and more`;
   }
 
   setAxis(axis) {

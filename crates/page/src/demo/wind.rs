@@ -41,6 +41,10 @@ const SHOWN_RATE_HZ: f64 = 15.0;
 const MAX_VOXELS: usize = 36 * 36 * 36;
 const MAX_NUMBERS: usize = 8_000_000;
 
+/// Characters that the packed vectors may take. Wind that is smooth in space takes about 2 bytes a vector; what is
+/// noisier than that is shown at fewer times.
+const MAX_TEXT: usize = 3_500_000;
+
 /// Vectors are quantized to this share of their 99th percentile: a third of a pixel of the longest arrow.
 const STEP_SHARE: f64 = 0.01;
 
@@ -53,17 +57,17 @@ pub(super) fn wind_data(field: &FieldSequence, blobs: &mut Vec<Packed>, notes: &
         flat = field.flattened();
         &flat
     };
-    let shown = Shown::of(field);
+    let mut shown = Shown::of(field);
+    let mut packed = shown.pack(field);
+    while packed.vectors.text.len() > MAX_TEXT && 2 * shown.step_stride < field.steps.len() {
+        shown.step_stride *= 2;
+        packed = shown.pack(field);
+    }
     shown.say(field, notes);
-    let steps: Vec<&Field> = field.steps.iter().step_by(shown.step_stride).collect();
-    let lengths: Vec<f64> =
-        steps.iter().flat_map(|s| shown.voxels.iter().map(|&v| s.vector(v).norm())).collect();
-    let (top, largest) = top_and_largest(lengths);
-    let step = quantum(top, largest);
-    let vectors = shown.vectors(&steps, step);
+    let steps = shown.steps(field);
+    let PackedVectors { vectors, step, top } = packed;
     let flags: Vec<i16> =
         steps.iter().flat_map(|s| shown.voxels.iter().map(|&v| s.flags[v] as i16)).collect();
-    let vectors = Packed::new("wind-vectors", &vectors, &[&[1, shown.dims[2]]]);
     let flags = Packed::new("wind-flags", &flags, &[&[shown.voxels.len()], &[]]);
     blobs.extend([vectors.clone(), flags.clone()]);
     let grid = &field.grid;
@@ -94,6 +98,13 @@ struct Shown {
     dims: [usize; 3],
     /// Their flat indices in the field's grid.
     voxels: Vec<usize>,
+}
+
+/// The vectors shown, with the value of one step and the 99th percentile of their lengths.
+struct PackedVectors {
+    vectors: Packed,
+    step: f64,
+    top: f64,
 }
 
 impl Shown {
@@ -127,6 +138,19 @@ impl Shown {
                 short(all, 2)
             ));
         }
+    }
+
+    fn steps<'a>(&self, field: &'a FieldSequence) -> Vec<&'a Field> {
+        field.steps.iter().step_by(self.step_stride).collect()
+    }
+
+    fn pack(&self, field: &FieldSequence) -> PackedVectors {
+        let steps = self.steps(field);
+        let lengths = steps.iter().flat_map(|s| self.voxels.iter().map(|&v| s.vector(v).norm()));
+        let (top, largest) = top_and_largest(lengths.collect());
+        let step = quantum(top, largest);
+        let values = self.vectors(&steps, step);
+        PackedVectors { vectors: Packed::new("wind-vectors", &values, &[&[1, self.dims[2]]]), step, top }
     }
 
     fn vectors(&self, steps: &[&Field], step: f64) -> Vec<i16> {
