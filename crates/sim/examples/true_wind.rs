@@ -74,14 +74,14 @@ fn scene(json: &Value) -> Scene {
         Pose::from_parts(vec3(&p["p"]).into(), rotation)
     };
     let poses: Vec<Pose> = json["poses"].as_array().expect("poses").iter().map(pose).collect();
-    let capsule = |name: &str| Collider {
+    let capsule = |name: &str, attachment: Attachment| Collider {
         name: name.into(),
         shape: Shape::Capsule {
             a_m: vec3(&json[name]["a"]),
             b_m: vec3(&json[name]["b"]),
             radius_m: json[name]["radius"].as_f64().expect("a number"),
         },
-        attachment: Attachment::Torso,
+        attachment,
     };
     let head = Collider {
         name: "head".into(),
@@ -94,7 +94,7 @@ fn scene(json: &Value) -> Scene {
         gravity_world: Vec3::new(0.0, 0.0, -9.81),
         air_density: json["air_density"].as_f64().expect("a number"),
         body: Body {
-            colliders: vec![head, capsule("neck"), capsule("shoulders")],
+            colliders: vec![head, capsule("neck", Attachment::Head), capsule("shoulders", Attachment::Torso)],
             pivot_m: vec3(&json["pivot"]),
             friction: json["friction"].as_f64().expect("a number"),
         },

@@ -17,7 +17,7 @@ pub enum SimError {
         /// Which value.
         what: &'static str,
         /// What it is.
-        found: String,
+        found: f64,
         /// What it should be.
         expected: &'static str,
     },

@@ -2,6 +2,7 @@
 //!
 //! *Invariant:* this crate has never heard of markers: it sees what a field file holds and nothing else.
 
+mod check;
 mod error;
 mod integrator;
 mod joint;
@@ -10,11 +11,12 @@ mod paper;
 mod plan;
 mod report;
 mod run;
+mod stability;
 mod timeline;
 
 pub use error::SimError;
 pub use integrator::Integrator;
-pub use options::{Method, PaperOptions, SimOptions, TimeMode};
+pub use options::{Method, SimOptions, TimeMode};
 pub use report::{PlanEntry, SimReport, Simulation};
 
 use tousle_core::{Groom, Progress};
@@ -39,5 +41,6 @@ pub fn simulate(
 ) -> Result<Simulation, SimError> {
     field.check()?;
     groom.check()?;
+    check::check_scene(scene, options)?;
     run::run(field, scene, groom, options, progress)
 }

@@ -2,9 +2,9 @@
 //!
 //! A strand is a chain of sticks. The angles Φ of a stick are the two components of a rotation vector across it,
 //! counted from where the joint before carries the stick's rest direction; each step starts a chart of its own
-//! at the stick's present direction, so E(Φ) is exact and its pole a quarter turn away. What is further out acts
-//! on a joint as if it swung with the joint's stick about the root. That makes every joint an equation of its
-//! own, whose inertia, resistance and strength are sums along the strand, and the answer independent of the
+//! at the stick's present direction, so E(Φ) is exact and its pole a quarter turn away. Forces act on a joint
+//! with everything further out; inertia and air resistance as if all that swung about the root together with
+//! the joint's own stick. So every joint has an equation of its own, and the answer does not depend on the
 //! number of sticks.
 
 mod bending;
@@ -18,21 +18,32 @@ use crate::joint::{JointEquation, JointStep};
 use crate::plan::Terms;
 use crate::timeline::StepScene;
 use contact::Contacts;
-use nalgebra::UnitQuaternion;
+use nalgebra::Matrix3;
 use tousle_core::Vec3;
 use tousle_rod::{DragLaw, Lock, Rest, turned};
+
+/// What all strands of a run share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PaperModel {
+    pub integrator: Integrator,
+    pub terms: Terms,
+    pub drag: DragLaw,
+    pub friction: f64,
+}
 
 /// One strand in motion.
 #[derive(Debug)]
 pub(crate) struct PaperStrand {
     lock: Lock,
-    /// Torque each joint holds at rest, in the axes of the stick before, N·m.
+    /// τ Φ0: the torque each joint holds at rest, in the axes of the stick before, N·m.
     rest_torques: Vec<Vec3>,
     /// I1 of each joint, kg·m².
     inertias: Vec<f64>,
+    /// What neighboring joints' springs can ask of each joint at most, N·m.
+    bending_bounds: Vec<f64>,
     /// Direction of each stick, head axes, unit length.
     directions: Vec<Vec3>,
-    /// Φ′ of each stick: its angular velocity, across it, rad/s.
+    /// Φ′ of each stick over the last step: its angular velocity, across it, rad/s.
     rates: Vec<Vec3>,
     contacts: Contacts,
     work: Work,
@@ -44,24 +55,25 @@ struct Work {
     /// The far end of each stick, head space, m, and its velocity in head space, m/s.
     ends_m: Vec<Vec3>,
     velocities: Vec<Vec3>,
-    /// Force on each of these points, N: all of H.
+    /// H: the force on each of these points, N.
     forces: Vec<Vec3>,
-    /// Resistance of the air to a slow motion of each point, N·s/m, and the force it makes now, N.
-    air_resistances: Vec<f64>,
-    air_forces: Vec<Vec3>,
+    /// What the air does to each stick.
+    air: Vec<AirOnStick>,
     /// What each joint does to the stick that hangs on it, N·m.
     bending_torques: Vec<Vec3>,
-    /// Rotation of each stick since rest, carried along the strand without twist.
-    carried: Vec<UnitQuaternion<f64>>,
     steps: Vec<JointStep>,
 }
 
-/// What all strands of a run share.
-#[derive(Debug)]
-pub(crate) struct PaperModel {
-    pub integrator: Integrator,
-    pub terms: Terms,
-    pub drag: DragLaw,
+/// The air on one stick, shared out to its ends in halves.
+#[derive(Clone, Copy, Debug)]
+struct AirOnStick {
+    /// The push, N.
+    force: Vec3,
+    /// How much stronger the push would be if the stick stood still, to first order, N.
+    resisted: Vec3,
+    /// The change of the push with the wind, N·s/m, and the most it can be in any direction.
+    resistance: Matrix3<f64>,
+    most: f64,
 }
 
 impl PaperStrand {
@@ -71,6 +83,7 @@ impl PaperStrand {
         Self {
             rest_torques: rest.torques.clone(),
             inertias: inertias(&lock),
+            bending_bounds: bending_bounds(&lock),
             directions: lock.rest_directions.clone(),
             rates: vec![Vec3::zeros(); n],
             contacts: Contacts::new(rest, touchable, n),
@@ -80,87 +93,114 @@ impl PaperStrand {
     }
 
     /// The far end of every stick, head space, m.
-    pub fn place(&self, ends_m: &mut [Vec3]) {
-        self.lock.place(&self.directions, ends_m);
+    pub fn ends_m(&mut self) -> &[Vec3] {
+        self.lock.place(&self.directions, &mut self.work.ends_m);
+        &self.work.ends_m
     }
 
     /// One step of E1 for every joint.
     pub fn step(&mut self, model: &PaperModel, scene: &StepScene<'_>) {
         self.move_points();
-        // H: gravity, head movement, wind, collision; then what the joints' own springs add.
-        self.weigh(model, scene);
-        self.blow(model, scene);
+        // E2: gravity, head movement, wind, collision; the spring along the strand is the sum in `solve_joints`.
+        self.weigh(scene);
+        if model.terms.blows() {
+            self.blow(model, scene);
+        }
         self.contacts.find(&self.work.ends_m, &self.work.velocities, scene);
         self.contacts.push(&mut self.work.forces);
+        // E1: strength towards rest, then joint by joint; last what the body must push more than it did.
         self.bend();
-        // E1, joint by joint; then what the body must push more, and the new angles.
         self.solve_joints(model, scene.dt_secs);
-        self.contacts.resolve(&self.lock, &self.directions, &self.work.steps, &mut self.rates, scene);
-        self.turn_sticks(scene.dt_secs);
+        let dt_secs = scene.dt_secs;
+        self.contacts.resolve(
+            &self.lock,
+            &self.directions,
+            &self.work.steps,
+            &mut self.rates,
+            model,
+            dt_secs,
+        );
+        self.turn_sticks(dt_secs);
         self.contacts.keep_outside(&self.lock, &mut self.directions, scene);
     }
 
     fn move_points(&mut self) {
         self.lock.place(&self.directions, &mut self.work.ends_m);
         let mut velocity = Vec3::zeros();
-        for j in 0..self.lock.n_sticks() {
+        for (j, slot) in self.work.velocities.iter_mut().enumerate() {
             velocity += self.rates[j].cross(&self.directions[j]) * self.lock.lengths_m[j];
-            self.work.velocities[j] = velocity;
+            *slot = velocity;
         }
     }
 
-    /// Sums along the strand from the tip, and the equation of each joint on the way.
+    /// S of E2 and E1: sums along the strand from the tip, and each joint's equation on the way.
     fn solve_joints(&mut self, model: &PaperModel, dt_secs: f64) {
         let lock = &self.lock;
         let work = &mut self.work;
         let mut pull = Vec3::zeros();
-        let mut air_pull = Vec3::zeros();
-        let mut air_resistance = 0.0;
+        let mut air = AirFurtherOut::default();
         let mut next_torque = Vec3::zeros();
-        let mut next_stiffness = 0.0;
         for j in (0..lock.n_sticks()).rev() {
             let (length, direction, rate) = (lock.lengths_m[j], self.directions[j], self.rates[j]);
-            let stiffness = lock.joint_stiffness[j];
             pull += work.forces[j];
-            air_pull += work.air_forces[j];
-            air_resistance += work.air_resistances[j] * lock.arcs_m[j];
-            // The air's resistance to the strand's whole motion is in `pull`; E1 has the joint's own in its place.
-            let own_resistance = length * air_resistance;
-            let lever = direction.cross(&(pull + air_pull)) * length;
-            let torque = lever + work.bending_torques[j] - next_torque;
-            let torque = torque - direction * direction.dot(&torque);
-            // No neighbor's angle can ask for more of a joint than its own coefficient gives: the sums of the
-            // absolute values of a row (Gershgorin) keep the joints stable although each is solved alone.
-            let bending = stiffness + next_stiffness + next_stiffness + if j > 0 { stiffness } else { 0.0 };
-            let damping = rate * (bending * lock.damping_secs);
-            let equation = JointEquation {
+            let mut torque = work.bending_torques[j] - next_torque;
+            let mut joint = JointEquation {
                 inertia: self.inertias[j],
-                resistance: own_resistance + bending * lock.damping_secs,
-                strength: bending + length * pull.norm(),
+                resistance: self.bending_bounds[j] * lock.damping_secs,
+                strength: self.bending_bounds[j] + length * pull.norm(),
             };
-            let step = JointStep::new(model.integrator, equation, dt_secs);
-            self.rates[j] = step.rate(rate, torque + damping);
+            let mut lever = pull;
+            if model.terms.air {
+                air.gather(&work.air, lock, j);
+                // The push holds the air's resistance to the strand's true motion; I2 has in its place that to a
+                // swing of everything further out about the root.
+                lever += air.resisted - air.resistance * rate.cross(&direction);
+                joint.resistance += length * air.most;
+                torque += rate * (length * air.most);
+            }
+            torque += direction.cross(&lever) * length + rate * (self.bending_bounds[j] * lock.damping_secs);
+            torque -= direction * direction.dot(&torque);
+            let step = JointStep::new(model.integrator, joint, dt_secs);
+            self.rates[j] = step.rate(rate, torque);
             work.steps[j] = step;
             next_torque = work.bending_torques[j];
-            next_stiffness = stiffness;
         }
     }
 
     fn turn_sticks(&mut self, dt_secs: f64) {
-        for j in 0..self.lock.n_sticks() {
-            let direction = turned(self.directions[j], self.rates[j] * dt_secs).normalize();
-            self.directions[j] = direction;
-            let rate = self.rates[j];
-            self.rates[j] = rate - direction * direction.dot(&rate);
+        for (direction, rate) in self.directions.iter_mut().zip(&mut self.rates) {
+            *direction = turned(*direction, *rate * dt_secs).normalize();
+            *rate -= *direction * direction.dot(rate);
+        }
+    }
+}
+
+/// The air on everything from a point outwards.
+#[derive(Default)]
+struct AirFurtherOut {
+    resisted: Vec3,
+    /// Σ resistance · s and Σ most · s, s the distance from the root along the strand, N·s.
+    resistance: Matrix3<f64>,
+    most: f64,
+}
+
+impl AirFurtherOut {
+    /// Adds the point at the end of stick `j`: half of each stick that meets there.
+    fn gather(&mut self, air: &[AirOnStick], lock: &Lock, j: usize) {
+        let half_arc_m = 0.5 * lock.arcs_m[j];
+        for stick in &air[j..(j + 2).min(air.len())] {
+            self.resisted += stick.resisted * 0.5;
+            self.resistance += stick.resistance * half_arc_m;
+            self.most += stick.most * half_arc_m;
         }
     }
 }
 
 /// I1: a joint's stick and everything further out, as it swings about the root: l Σ m s, kg·m².
 ///
-/// s, the distance from the root along the strand, stands for the distance in space. It is what makes the sum a
-/// constant, and at least as large as every row of the chain's mass matrix, however the strand lies.
-fn inertias(lock: &Lock) -> Vec<f64> {
+/// s, the distance from the root along the strand, stands for the distance in space. It makes the sum a
+/// constant, and no smaller than any row of the chain's mass matrix, however the strand lies.
+pub(crate) fn inertias(lock: &Lock) -> Vec<f64> {
     let mut further_out = 0.0;
     let mut inertias = vec![0.0; lock.n_sticks()];
     for j in (0..lock.n_sticks()).rev() {
@@ -170,17 +210,33 @@ fn inertias(lock: &Lock) -> Vec<f64> {
     inertias
 }
 
+/// τ as far as it keeps joints stable that are solved one by one: the sum of the absolute values of a joint's row
+/// of the chain's stiffness (Gershgorin), N·m. Nothing that its neighbors do can ask for more.
+pub(crate) fn bending_bounds(lock: &Lock) -> Vec<f64> {
+    let stiffness = |j: usize| lock.joint_stiffness.get(j).copied().unwrap_or(0.0);
+    (0..lock.n_sticks())
+        .map(|j| {
+            let before = if j > 0 { stiffness(j) } else { 0.0 };
+            before + stiffness(j) + 2.0 * stiffness(j + 1)
+        })
+        .collect()
+}
+
 impl Work {
     fn new(n: usize) -> Self {
         let zeros = vec![Vec3::zeros(); n];
+        let still = AirOnStick {
+            force: Vec3::zeros(),
+            resisted: Vec3::zeros(),
+            resistance: Matrix3::zeros(),
+            most: 0.0,
+        };
         Self {
             ends_m: zeros.clone(),
             velocities: zeros.clone(),
             forces: zeros.clone(),
-            air_resistances: vec![0.0; n],
-            air_forces: zeros.clone(),
+            air: vec![still; n],
             bending_torques: zeros,
-            carried: vec![UnitQuaternion::identity(); n],
             steps: vec![JointStep::default(); n],
         }
     }

@@ -1,16 +1,28 @@
+//! The loop over steps and strands, and what is reported of it.
+
 use crate::paper::{PaperModel, PaperStrand, Touchable};
-use crate::plan::Terms;
+use crate::plan::plan;
+use crate::stability::limit;
 use crate::timeline::{StepScene, Timeline};
-use crate::{SimError, SimOptions, SimReport, Simulation};
+use crate::{Integrator, SimError, SimOptions, SimReport, Simulation};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
-use tousle_core::{Groom, Progress, StrandMotion, Vec3};
+use tousle_core::{Assumption, Attachment, Groom, Pose, Progress, StrandMotion, Vec3};
 use tousle_field::{FieldSequence, Scene};
-use tousle_rod::{DragLaw, Lock, rest_state};
+use tousle_rod::{DragLaw, Lock, Rest, Surface, rest_state};
 
-/// Frames that a strand runs through before the next strand's turn: enough to spread the cost of preparing a
-/// step's scene, few enough that progress is seen and the scenes stay in cache.
-const BLOCK_FRAMES: usize = 8;
+/// Steps that a strand runs before the next one's turn: enough to spread the cost of preparing what the world
+/// does, few enough that it is prepared in little memory and progress is seen.
+const BLOCK_STEPS: usize = 32;
+
+/// A strand on its way, its rest curve and how it hangs there.
+struct Prepared<'a> {
+    strand: PaperStrand,
+    rest_curve_m: &'a [Vec3],
+    touchable: Vec<Touchable>,
+    /// Deepest that its rest curve lies in the body, m.
+    deepest_m: f64,
+}
 
 pub(crate) fn run(
     field: &FieldSequence,
@@ -19,79 +31,214 @@ pub(crate) fn run(
     options: &SimOptions,
     progress: &dyn Progress,
 ) -> Result<Simulation, SimError> {
-    let dt_secs = options.dt_secs.unwrap_or(1.0 / 240.0);
-    let timeline = Timeline::new(field, scene, options, dt_secs, groom.n_points())?;
+    let mut timeline = Timeline::new(field, scene, options, groom.n_points())?;
+    let drag = DragLaw::in_air(scene.air_density);
+    let limit = cut_into_steps(&mut timeline, field, groom, options, &drag)?;
     let model = PaperModel {
         integrator: options.integrator,
-        terms: Terms { quantity: field.quantity, head_movement: !timeline.head_is_still() },
-        drag: DragLaw::in_air(scene.air_density),
+        terms: timeline.terms,
+        drag,
+        friction: scene.body.friction,
     };
-    let gravity = timeline.gravity_at_rest();
-    let mut strands: Vec<PaperStrand> = groom
-        .strands
-        .par_iter()
-        .map(|strand| {
-            let lock = Lock::new(strand);
-            let rest = rest_state(&lock, gravity, &scene.body);
-            let touchable: Vec<Touchable> =
-                (0..scene.body.colliders.len()).map(|collider| Touchable { collider }).collect();
-            PaperStrand::new(lock, &rest, &touchable)
-        })
-        .collect();
-    let n_points = groom.n_points();
-    let mut positions_m = Vec::with_capacity(n_points * timeline.n_frames);
-    positions_m.extend(
-        groom.strands.iter().flat_map(|s| &s.rest_curve_m).map(|p| <[f32; 3]>::from(p.map(|c| c as f32))),
-    );
-    let done = AtomicU64::new(0);
-    let total = (strands.len() * (timeline.n_frames - 1)) as u64;
-    let mut frame = 0;
-    while frame + 1 < timeline.n_frames {
-        let n = BLOCK_FRAMES.min(timeline.n_frames - 1 - frame);
-        let scenes: Vec<StepScene<'_>> = (0..n * timeline.steps_per_frame)
-            .map(|k| timeline.step_scene(frame + k / timeline.steps_per_frame, k % timeline.steps_per_frame))
-            .collect();
-        let blocks: Vec<Vec<[f32; 3]>> = strands
-            .par_iter_mut()
-            .zip(&groom.strands)
-            .map(|(strand, rest)| {
-                let mut out = Vec::with_capacity(n * rest.rest_curve_m.len());
-                let mut ends = vec![Vec3::zeros(); rest.rest_curve_m.len() - 1];
-                for steps in scenes.chunks(timeline.steps_per_frame) {
-                    for step in steps {
-                        strand.step(&model, step);
-                    }
-                    strand.place(&mut ends);
-                    out.push(rest.rest_curve_m[0].map(|c| c as f32).into());
-                    out.extend(ends.iter().map(|p| <[f32; 3]>::from(p.map(|c| c as f32))));
-                }
-                progress.at(done.fetch_add(n as u64, Ordering::Relaxed) + n as u64, total);
-                out
-            })
-            .collect();
-        for k in 0..n {
-            for (block, strand) in blocks.iter().zip(&groom.strands) {
-                let p = strand.rest_curve_m.len();
-                positions_m.extend_from_slice(&block[k * p..(k + 1) * p]);
-            }
-        }
-        frame += n;
-    }
-    let motion = StrandMotion {
-        counts: groom.counts(),
-        times_secs: (0..timeline.n_frames).map(|f| timeline.frame_secs(f)).collect(),
-        positions_m,
-    };
+    let mut strands = prepare(scene, groom, &timeline);
+    let n_reaching = n_reaching(scene, &strands);
+    let plan = plan(field, scene, &timeline, &n_reaching);
+    let assumed = assumptions(groom, &timeline, &strands);
+    let motion = move_strands(&mut strands, &model, &timeline, groom.counts(), progress);
     let report = SimReport {
         integrator: options.integrator,
         order: options.integrator.order(),
-        limit: options.integrator.limit().to_owned(),
-        dt_secs: timeline.dt_secs,
-        n_steps: ((timeline.n_frames - 1) * timeline.steps_per_frame) as u64,
-        plan: Vec::new(),
-        max_stretch: 0.0,
-        assumed: groom.assumed.clone(),
+        limit,
+        dt_secs: timeline.dt_secs(),
+        n_steps: timeline.n_steps() as u64,
+        plan,
+        max_stretch: max_stretch(&motion),
+        assumed,
     };
-    let _ = timeline.tilt_at_start();
     Ok(Simulation { motion, report })
+}
+
+/// Chooses the step. Out: the integrator's limit for this groom, in words.
+fn cut_into_steps(
+    timeline: &mut Timeline<'_>,
+    field: &FieldSequence,
+    groom: &Groom,
+    options: &SimOptions,
+    drag: &DragLaw,
+) -> Result<String, SimError> {
+    let limit = if options.integrator.is_limited() { limit(field, groom, timeline, drag) } else { None };
+    let Some(limit) = limit else {
+        timeline.cut(options.dt_secs.unwrap_or(SimOptions::DEFAULT_DT_SECS))?;
+        return Ok("none: no step is too long or too stiff".to_owned());
+    };
+    let strand = &groom.strands[limit.strand_idx].name;
+    let default_secs = f64::min(SimOptions::DEFAULT_DT_SECS, limit.dt_secs);
+    timeline.cut(options.dt_secs.unwrap_or(default_secs))?;
+    if timeline.dt_secs() > limit.dt_secs {
+        return Err(SimError::Unstable {
+            integrator: Integrator::name(options.integrator),
+            dt_secs: timeline.dt_secs(),
+            limit_secs: limit.dt_secs,
+            strand: strand.clone(),
+            point: limit.point,
+        });
+    }
+    Ok(format!("{:.3e} s, set by strand {strand}, control point {}", limit.dt_secs, limit.point))
+}
+
+fn prepare<'a>(scene: &Scene, groom: &'a Groom, timeline: &Timeline<'_>) -> Vec<Prepared<'a>> {
+    let gravity = timeline.gravity_at_rest();
+    let surfaces = Surface::of_body(&scene.body, &Pose::identity());
+    let prepare = |strand: &'a tousle_core::Strand| {
+        let lock = Lock::new(strand);
+        let rest = rest_state(&lock, gravity, &scene.body);
+        let touchable = touchable(scene, timeline, &surfaces, &lock, &rest);
+        let deepest_m = -rest.clearances_m.iter().copied().fold(0.0, f64::min);
+        let strand_in_motion = PaperStrand::new(lock, &rest, &touchable);
+        Prepared { strand: strand_in_motion, rest_curve_m: &strand.rest_curve_m, touchable, deepest_m }
+    };
+    groom.strands.par_iter().map(prepare).collect()
+}
+
+/// The colliders that a strand can reach. The torso's, once the head turns, may come to it.
+fn touchable(
+    scene: &Scene,
+    timeline: &Timeline<'_>,
+    surfaces: &[Surface],
+    lock: &Lock,
+    rest: &Rest,
+) -> Vec<Touchable> {
+    let n = lock.n_sticks();
+    let nearest =
+        |collider: usize| rest.clearances_m[collider * n..][..n].iter().copied().fold(0.0, f64::max);
+    (0..surfaces.len())
+        .map(|collider| Touchable {
+            collider,
+            on_torso: scene.body.colliders[collider].attachment == Attachment::Torso,
+        })
+        .filter(|t| {
+            let comes = t.on_torso && timeline.terms.head_movement;
+            // An ellipsoid's distance is of first order: it may say up to twice too much.
+            let distance = 0.5 * surfaces[t.collider].gap(lock.root_m).distance_m;
+            comes || distance <= lock.reach_m() + nearest(t.collider)
+        })
+        .collect()
+}
+
+fn n_reaching(scene: &Scene, strands: &[Prepared<'_>]) -> Vec<usize> {
+    let reaches = |s: &Prepared<'_>, collider: usize| s.touchable.iter().any(|t| t.collider == collider);
+    (0..scene.body.colliders.len()).map(|c| strands.iter().filter(|s| reaches(s, c)).count()).collect()
+}
+
+fn move_strands(
+    strands: &mut [Prepared<'_>],
+    model: &PaperModel,
+    timeline: &Timeline<'_>,
+    counts: Vec<usize>,
+    progress: &dyn Progress,
+) -> StrandMotion {
+    let rest_frame = strands.iter().flat_map(|s| s.rest_curve_m).copied().map(single);
+    let mut positions_m: Vec<[f32; 3]> = rest_frame.collect();
+    let total = (strands.len() * timeline.n_steps()) as u64;
+    let done = AtomicU64::new(0);
+    for first in (0..timeline.n_steps()).step_by(BLOCK_STEPS) {
+        let steps = first..(first + BLOCK_STEPS).min(timeline.n_steps());
+        let scenes: Vec<_> = steps.clone().map(|step| timeline.step_scene(step)).collect();
+        let blocks: Vec<Vec<[f32; 3]>> = strands
+            .par_iter_mut()
+            .map(|strand| {
+                let frames = move_strand(strand, model, timeline, first, &scenes);
+                let n = steps.len() as u64;
+                progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
+                frames
+            })
+            .collect();
+        let n_frames = steps.end / timeline.steps_per_frame - first / timeline.steps_per_frame;
+        for frame in 0..n_frames {
+            for (block, n) in blocks.iter().zip(&counts) {
+                positions_m.extend_from_slice(&block[frame * n..(frame + 1) * n]);
+            }
+        }
+    }
+    let times_secs = (0..timeline.n_frames).map(|frame| timeline.frame_secs(frame)).collect();
+    StrandMotion { counts, times_secs, positions_m }
+}
+
+/// Runs a strand through some steps. Out: its points in every frame that these complete.
+fn move_strand(
+    prepared: &mut Prepared<'_>,
+    model: &PaperModel,
+    timeline: &Timeline<'_>,
+    first: usize,
+    scenes: &[StepScene<'_>],
+) -> Vec<[f32; 3]> {
+    let mut frames = Vec::new();
+    for (k, scene) in scenes.iter().enumerate() {
+        prepared.strand.step(model, scene);
+        if (first + k + 1).is_multiple_of(timeline.steps_per_frame) {
+            frames.push(single(prepared.rest_curve_m[0]));
+            frames.extend(prepared.strand.ends_m().iter().copied().map(single));
+        }
+    }
+    frames
+}
+
+fn single(point: Vec3) -> [f32; 3] {
+    point.map(|c| c as f32).into()
+}
+
+/// The largest change of any stick's length, as a share of it, over all frames.
+fn max_stretch(motion: &StrandMotion) -> f64 {
+    let length = |frame: usize, k: usize| {
+        let [a, b] = [k, k + 1].map(|k| Vec3::from(motion.frame(frame)[k].map(f64::from)));
+        (b - a).norm()
+    };
+    let mut tips = Vec::new();
+    let mut end = 0;
+    for n in &motion.counts {
+        end += n;
+        tips.push(end - 1);
+    }
+    (0..motion.n_points())
+        .into_par_iter()
+        .filter(|k| tips.binary_search(k).is_err())
+        .map(|k| {
+            let at_rest = length(0, k);
+            (1..motion.times_secs.len())
+                .map(|frame| (length(frame, k) / at_rest - 1.0).abs())
+                .fold(0.0, f64::max)
+        })
+        .reduce(|| 0.0, f64::max)
+}
+
+/// What the groom's reader assumed, and what this run did.
+fn assumptions(groom: &Groom, timeline: &Timeline<'_>, strands: &[Prepared<'_>]) -> Vec<Assumption> {
+    let mut assumed = groom.assumed.clone();
+    if timeline.has_shot_head() {
+        assumed.push(Assumption {
+            what: "torso".to_owned(),
+            value: "faces where the head faces in the shot's first pose".to_owned(),
+            why: "a pose track says nothing of the shoulders".to_owned(),
+        });
+    }
+    let tilt = timeline.tilt_at_start();
+    if tilt > 1e-3 {
+        assumed.push(Assumption {
+            what: "start".to_owned(),
+            value: format!("from the rest curves, with the head tilted by {:.1}°", tilt.to_degrees()),
+            why: "the groom says how it hangs in the rest pose only; it settles in the first second"
+                .to_owned(),
+        });
+    }
+    let deepest_mm = strands.iter().map(|s| s.deepest_m * 1e3).fold(0.0, f64::max);
+    if deepest_mm > 0.0 {
+        let n = strands.iter().filter(|s| s.deepest_m > 0.0).count();
+        assumed.push(Assumption {
+            what: format!("collision of {n} strands"),
+            value: format!("allowed as deep as they rest, up to {deepest_mm:.1} mm"),
+            why: "their rest curves lie inside the body, and pushing them out would make them jump"
+                .to_owned(),
+        });
+    }
+    assumed
 }

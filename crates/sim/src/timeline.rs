@@ -1,4 +1,6 @@
+use crate::plan::Terms;
 use crate::{SimError, SimOptions, TimeMode};
+use nalgebra::Point3;
 use tousle_core::{HeadMotion, Pose, PoseTrack, Vec3};
 use tousle_field::{FieldSequence, FieldSlice, Scene};
 use tousle_rod::Surface;
@@ -16,8 +18,8 @@ pub(crate) struct Timeline<'a> {
     pub n_frames: usize,
     /// Steps from one frame to the next.
     pub steps_per_frame: usize,
-    /// The step, s.
-    pub dt_secs: f64,
+    /// The terms that the field and the scene ask for.
+    pub terms: Terms,
 }
 
 /// The head's motion, and the pose in which the torso has its rest place.
@@ -38,13 +40,22 @@ pub(crate) struct StepScene<'a> {
     pub wind: Option<FieldSlice<'a>>,
     /// Gravity in the middle of the step, m/s².
     pub gravity: Vec3,
-    /// The head in the middle of the step; `None` while it never moves.
+    /// The head in the middle of the step; `None` if it never moves.
     pub head: Option<HeadMotion>,
     /// The body's surfaces at the end of the step, in the body's order.
     pub surfaces: Vec<Surface>,
-    /// How the torso moves during the step as the head sees it: a point of it after the step to the same point
-    /// before it, head space; `None` while the head never moves.
-    pub torso_before_from_after: Option<Pose>,
+    /// A point of the torso after the step to the same point before it, both in head space; `None` if the head
+    /// never moves.
+    torso_before_from_after: Option<Pose>,
+}
+
+/// The strongest that the head does to hair in a run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StrongestPull {
+    /// Gravity and the acceleration of the head's center, m/s².
+    pub acceleration: f64,
+    /// What each meter from the center adds, s⁻².
+    pub per_meter: f64,
 }
 
 /// The most frames, steps a frame and control points in all frames: 12 GB of result.
@@ -52,60 +63,77 @@ const MAX_FRAMES: f64 = 1e7;
 const MAX_STEPS_PER_FRAME: f64 = 1e6;
 const MAX_POSITIONS: f64 = 1e9;
 
+impl StepScene<'_> {
+    /// Velocity of the body's surface at a point, head space, m/s: the torso moves as the head sees it.
+    pub fn surface_velocity(&self, on_torso: bool, point_m: Vec3) -> Vec3 {
+        match &self.torso_before_from_after {
+            Some(pose) if on_torso => (point_m - (pose * Point3::from(point_m)).coords) / self.dt_secs,
+            _ => Vec3::zeros(),
+        }
+    }
+}
+
 impl<'a> Timeline<'a> {
-    /// The timeline of a run over `n_points` control points with steps not longer than `dt_secs`.
+    /// The timeline of a run over `n_points` control points, with one step a frame.
     pub fn new(
         field: &'a FieldSequence,
         scene: &'a Scene,
         options: &'a SimOptions,
-        dt_secs: f64,
         n_points: usize,
     ) -> Result<Self, SimError> {
-        check_number("rate_hz", options.rate_hz, f64::MIN_POSITIVE, "a number above 0")?;
-        check_number("dt_secs", dt_secs, f64::MIN_POSITIVE, "a number above 0")?;
+        check_above_zero("rate_hz", options.rate_hz)?;
         let start_secs = options.start_secs.unwrap_or(field.start_secs);
-        check_number("start_secs", start_secs, f64::MIN, "a finite number")?;
-        let duration_secs =
-            options.duration_secs.unwrap_or_else(|| f64::max(field.end_secs() - start_secs, 0.0));
-        check_number("duration_secs", duration_secs, 0.0, "0 or a number above")?;
-        // A share of 1e-9 of a frame keeps the last one where the span is a whole number of frames.
-        let n_frames = (duration_secs * options.rate_hz * (1.0 + 1e-12) + 1e-9).floor() + 1.0;
+        if !start_secs.is_finite() {
+            return Err(bad_option("start_secs", start_secs, "a finite number"));
+        }
+        let to_the_end = || f64::max(field.end_secs() - start_secs, 0.0);
+        let duration_secs = options.duration_secs.unwrap_or_else(to_the_end);
+        if !(duration_secs.is_finite() && duration_secs >= 0.0) {
+            return Err(bad_option("duration_secs", duration_secs, "0 or a number above"));
+        }
+        // A millionth of a frame keeps the last one where the span is a whole number of frames.
+        let n_frames = (duration_secs * options.rate_hz + 1e-6).floor() + 1.0;
         if n_frames > MAX_FRAMES || n_frames * n_points as f64 > MAX_POSITIONS {
-            return Err(SimError::BadOption {
-                option: "duration_secs",
-                found: duration_secs,
-                expected: "at most 1e7 frames and 1e9 positions",
-            });
+            return Err(bad_option("duration_secs", duration_secs, "at most 1e7 frames and 1e9 positions"));
         }
-        let steps_per_frame = (1.0 / (options.rate_hz * dt_secs) - 1e-9).ceil().max(1.0);
-        if steps_per_frame > MAX_STEPS_PER_FRAME {
-            return Err(SimError::BadOption {
-                option: "dt_secs",
-                found: dt_secs,
-                expected: "at most 1e6 steps a frame",
-            });
-        }
+        let head = Head::new(scene, options);
         Ok(Self {
             field,
             scene,
-            head: Head::new(scene, options),
+            terms: Terms::new(field, scene, head.is_still),
+            head,
             time: options.time,
             start_secs,
             rate_hz: options.rate_hz,
             n_frames: n_frames as usize,
-            steps_per_frame: steps_per_frame as usize,
-            dt_secs: 1.0 / (options.rate_hz * steps_per_frame),
+            steps_per_frame: 1,
         })
+    }
+
+    /// Cuts the frames into equal steps not longer than `dt_secs`.
+    pub fn cut(&mut self, dt_secs: f64) -> Result<(), SimError> {
+        check_above_zero("dt_secs", dt_secs)?;
+        let steps = (1.0 / (self.rate_hz * dt_secs) - 1e-6).ceil().max(1.0);
+        if steps > MAX_STEPS_PER_FRAME {
+            return Err(bad_option("dt_secs", dt_secs, "at most 1e6 steps a frame"));
+        }
+        self.steps_per_frame = steps as usize;
+        Ok(())
+    }
+
+    /// The step, s.
+    pub fn dt_secs(&self) -> f64 {
+        1.0 / (self.rate_hz * self.steps_per_frame as f64)
+    }
+
+    /// Steps in all.
+    pub fn n_steps(&self) -> usize {
+        (self.n_frames - 1) * self.steps_per_frame
     }
 
     /// Time of a frame, s on the field's clock.
     pub fn frame_secs(&self, frame: usize) -> f64 {
         self.start_secs + frame as f64 / self.rate_hz
-    }
-
-    /// Whether the head never moves in this run.
-    pub fn head_is_still(&self) -> bool {
-        self.head.is_still
     }
 
     /// Gravity in head axes in the pose in which the groom hangs still, m/s².
@@ -115,29 +143,49 @@ impl<'a> Timeline<'a> {
 
     /// Angle between gravity as the head feels it at the start and in the rest pose, rad.
     pub fn tilt_at_start(&self) -> f64 {
-        let at_start = self.head_at(self.start_secs).world_from_head.rotation.inverse();
-        (at_start * self.scene.gravity_world).angle(&self.gravity_at_rest())
+        let head_from_world = self.head_at(self.start_secs).world_from_head.rotation.inverse();
+        (head_from_world * self.scene.gravity_world).angle(&self.gravity_at_rest())
     }
 
-    /// What the world does in step `step` (from 0) after frame `frame`.
-    pub fn step_scene(&self, frame: usize, step: usize) -> StepScene<'a> {
-        let begin = self.frame_secs(frame) + step as f64 * self.dt_secs;
-        let middle = begin + 0.5 * self.dt_secs;
+    /// The strongest that gravity and the head do, looked for at every frame.
+    pub fn strongest_pull(&self) -> StrongestPull {
+        let gravity = self.scene.gravity_world.norm();
+        let mut strongest = StrongestPull { acceleration: gravity, per_meter: 0.0 };
+        for frame in 0..if self.head.is_still { 0 } else { self.n_frames } {
+            let head = self.head_at(self.frame_secs(frame));
+            strongest.acceleration = strongest.acceleration.max(gravity + head.acceleration.norm());
+            let turning = head.angular_acceleration.norm() + head.angular_velocity.norm_squared();
+            strongest.per_meter = strongest.per_meter.max(turning);
+        }
+        strongest
+    }
+
+    /// Whether the head's motion is the shot's own.
+    pub fn has_shot_head(&self) -> bool {
+        self.head.is_shot
+    }
+
+    /// What the world does in a step, from 0.
+    pub fn step_scene(&self, step: usize) -> StepScene<'a> {
+        let dt_secs = self.dt_secs();
+        let (frame, within) = (step / self.steps_per_frame, step % self.steps_per_frame);
+        let begin = self.frame_secs(frame) + within as f64 * dt_secs;
+        let middle = begin + 0.5 * dt_secs;
         let head = self.head_at(middle);
-        let torso = self.torso_at(begin + self.dt_secs);
+        let torso = self.torso_at(begin + dt_secs);
+        let moves = self.terms.head_movement;
         StepScene {
-            dt_secs: self.dt_secs,
+            dt_secs,
             wind: self.wind_secs(middle).map(|secs| self.field.at(secs)),
             gravity: head.world_from_head.rotation.inverse() * self.scene.gravity_world,
-            head: (!self.head.is_still).then_some(head),
+            head: moves.then_some(head),
             surfaces: Surface::of_body(&self.scene.body, &torso),
-            torso_before_from_after: (!self.head.is_still).then(|| self.torso_at(begin) * torso.inverse()),
+            torso_before_from_after: moves.then(|| self.torso_at(begin) * torso.inverse()),
         }
     }
 
     fn torso_at(&self, secs: f64) -> Pose {
-        let head = self.head_at(secs);
-        self.scene.body.head_from_torso(&head.world_from_head, &self.head.torso_rest)
+        self.scene.body.head_from_torso(&self.head_at(secs).world_from_head, &self.head.torso_rest)
     }
 
     fn head_at(&self, secs: f64) -> HeadMotion {
@@ -147,11 +195,9 @@ impl<'a> Timeline<'a> {
     }
 
     fn wind_secs(&self, secs: f64) -> Option<f64> {
-        match self.time {
-            TimeMode::Hold => Some(secs),
-            TimeMode::Loop => Some(self.wrapped(secs)),
-            TimeMode::Once => self.has_wind_at(secs).then_some(secs),
-        }
+        let blows = self.terms.wind && (self.time != TimeMode::Once || self.has_wind_at(secs));
+        let secs = if self.time == TimeMode::Loop { self.wrapped(secs) } else { secs };
+        blows.then_some(secs)
     }
 
     fn has_wind_at(&self, secs: f64) -> bool {
@@ -160,39 +206,26 @@ impl<'a> Timeline<'a> {
     }
 
     fn wrapped(&self, secs: f64) -> f64 {
-        let span = self.field.end_secs() - self.field.start_secs;
-        if span > 0.0 {
-            self.field.start_secs + (secs - self.field.start_secs).rem_euclid(span)
-        } else {
-            secs
-        }
+        let (start, span) = (self.field.start_secs, self.field.end_secs() - self.field.start_secs);
+        if span > 0.0 { start + (secs - start).rem_euclid(span) } else { secs }
     }
 }
 
 impl<'a> Head<'a> {
     fn new(scene: &'a Scene, options: &'a SimOptions) -> Self {
-        match &options.head {
+        let (poses, torso_rest) = match &options.head {
             // A shot's world is not the capture's: its torso faces where its head faces at first.
-            Some(poses) => {
-                Self { poses, torso_rest: poses.poses[0], is_shot: true, is_still: poses.is_still() }
-            }
-            None => {
-                let poses = &scene.poses;
-                Self { poses, torso_rest: scene.rest_pose, is_shot: false, is_still: poses.is_still() }
-            }
-        }
+            Some(poses) => (poses, poses.poses[0]),
+            None => (&scene.poses, scene.rest_pose),
+        };
+        Self { poses, torso_rest, is_shot: options.head.is_some(), is_still: poses.is_still() }
     }
 }
 
-fn check_number(
-    option: &'static str,
-    found: f64,
-    least: f64,
-    expected: &'static str,
-) -> Result<(), SimError> {
-    if found.is_finite() && found >= least {
-        Ok(())
-    } else {
-        Err(SimError::BadOption { option, found, expected })
-    }
+fn check_above_zero(option: &'static str, found: f64) -> Result<(), SimError> {
+    if found.is_finite() && found > 0.0 { Ok(()) } else { Err(bad_option(option, found, "a number above 0")) }
+}
+
+fn bad_option(option: &'static str, found: f64, expected: &'static str) -> SimError {
+    SimError::BadOption { option, found, expected }
 }

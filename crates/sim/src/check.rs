@@ -1,0 +1,65 @@
+//! What a scene must hold before it can be simulated.
+
+use crate::{SimError, SimOptions};
+use tousle_core::{PoseTrack, Shape};
+use tousle_field::Scene;
+
+/// Refuses a scene, or a shot's head motion, that holds something that cannot be.
+pub(crate) fn check_scene(scene: &Scene, options: &SimOptions) -> Result<(), SimError> {
+    check_poses("poses", &scene.poses)?;
+    if let Some(head) = &options.head {
+        check_poses("the shot's poses", head)?;
+    }
+    let rest = &scene.rest_pose;
+    let numbers = rest.translation.vector.iter().chain(rest.rotation.coords.iter());
+    check("rest_pose", numbers.copied(), f64::is_finite, "finite numbers")?;
+    check("gravity_world", scene.gravity_world.iter().copied(), f64::is_finite, "finite numbers")?;
+    check("air_density", [scene.air_density], is_not_negative, "0 or a number above")?;
+    check("body.friction", [scene.body.friction], is_not_negative, "0 or a number above")?;
+    check("body.pivot_m", scene.body.pivot_m.iter().copied(), f64::is_finite, "finite numbers")?;
+    scene.body.colliders.iter().try_for_each(|collider| check_shape(&collider.shape))
+}
+
+fn check_poses(what: &'static str, track: &PoseTrack) -> Result<(), SimError> {
+    check(what, [track.poses.len() as f64], |n| n >= 1.0, "at least one")?;
+    check(what, [track.rate_hz], |rate| rate.is_finite() && rate > 0.0, "a rate above 0")?;
+    check(what, [track.start_secs], f64::is_finite, "a finite start")?;
+    let numbers =
+        track.poses.iter().flat_map(|p| p.translation.vector.iter().chain(p.rotation.coords.iter()));
+    check(what, numbers.copied(), f64::is_finite, "finite numbers")
+}
+
+fn check_shape(shape: &Shape) -> Result<(), SimError> {
+    let is_size = |size: f64| size.is_finite() && size > 0.0;
+    match shape {
+        Shape::Ellipsoid { center_m, half_axes_m } => {
+            check("collider.center_m", center_m.iter().copied(), f64::is_finite, "finite numbers")?;
+            check("collider.half_axes_m", half_axes_m.iter().copied(), is_size, "numbers above 0")
+        }
+        Shape::Capsule { a_m, b_m, radius_m } => {
+            check(
+                "collider.a_m, b_m",
+                a_m.iter().chain(b_m.iter()).copied(),
+                f64::is_finite,
+                "finite numbers",
+            )?;
+            check("collider.radius_m", [*radius_m], is_size, "a number above 0")
+        }
+    }
+}
+
+fn is_not_negative(number: f64) -> bool {
+    number.is_finite() && number >= 0.0
+}
+
+fn check(
+    what: &'static str,
+    numbers: impl IntoIterator<Item = f64>,
+    is_good: impl Fn(f64) -> bool,
+    expected: &'static str,
+) -> Result<(), SimError> {
+    match numbers.into_iter().find(|number| !is_good(*number)) {
+        Some(found) => Err(SimError::BadScene { what, found, expected }),
+        None => Ok(()),
+    }
+}
