@@ -89,6 +89,9 @@ pub struct ReadArgs {
     /// The subject (prefix of the labels) to read, where there are several.
     #[arg(long)]
     pub subject: Option<String>,
+    /// Take what is there of a capture that was cut off (then the exit code is 3).
+    #[arg(long)]
+    pub allow_cut: bool,
 }
 
 /// `--method`

@@ -21,6 +21,8 @@ pub struct Ingested {
 pub struct IngestReport {
     /// In words, each with its place.
     pub warnings: Vec<String>,
+    /// Frames that the file claims and frames that are there, of a file that was cut off.
+    pub cut: Option<(u64, u64)>,
 }
 
 /// Reads the markers of any capture file.
@@ -34,6 +36,9 @@ pub struct IngestReport {
 /// rate, or if the subject asked for is not there.
 pub fn read_capture(bytes: &[u8], options: &IngestOptions) -> Result<Ingested, IngestError> {
     let mut recording = crate::recording::read(bytes)?;
+    if let Some((claimed, found)) = recording.cut.filter(|_| !options.allow_cut) {
+        return Err(IngestError::CutShort { claimed, found });
+    }
     let mut warnings = std::mem::take(&mut recording.warnings);
     let chosen = choose(&recording, options, &mut warnings)?;
     let (unit, file_unit) = unit(&recording, options, &mut warnings)?;
@@ -51,7 +56,7 @@ pub fn read_capture(bytes: &[u8], options: &IngestOptions) -> Result<Ingested, I
             .map(|((_, label), track)| Trajectory { subject: label.subject, label: label.name, track })
             .collect(),
     };
-    Ok(Ingested { capture, format: recording.format, report: IngestReport { warnings } })
+    Ok(Ingested { capture, format: recording.format, report: IngestReport { warnings, cut: recording.cut } })
 }
 
 /// The points to load, by index: the markers, each once, of the subject that was asked for.

@@ -26,6 +26,16 @@ pub enum IngestError {
         /// What the file holds instead.
         found: String,
     },
+    /// The file was longer once: what is missing could be anything.
+    #[error(
+        "the file is cut off: found {found} frames, expected {claimed} as it says of itself; allow it to take what is there"
+    )]
+    CutShort {
+        /// Frames that the file claims.
+        claimed: u64,
+        /// Whole frames that are there.
+        found: u64,
+    },
     /// Nobody said what the numbers are in.
     #[error("found no unit of length in the file, expected one: pass it (mm, cm, m or in)")]
     NoUnit,

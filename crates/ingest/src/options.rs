@@ -14,6 +14,8 @@ pub struct IngestOptions {
     /// Takes positions that are exactly 0, 0, 0 as they are. Without it they count as missing, and are reported:
     /// programs write so what the cameras did not see, and the cameras never see exactly that.
     pub keep_exact_zeros: bool,
+    /// Takes what is there of a file that was cut off; without it such a file is an error.
+    pub allow_cut: bool,
 }
 
 impl IngestOptions {

@@ -19,6 +19,8 @@ pub(crate) struct Recording<'a> {
     /// What else is in the file and is not loaded.
     pub other: Vec<OtherContent>,
     pub warnings: Vec<String>,
+    /// Frames that the file claims and frames that are there, if all its claims agree that it was longer.
+    pub cut: Option<(u64, u64)>,
 }
 
 /// The frame numbers of the rows of positions.

@@ -51,6 +51,9 @@ impl ConversionReport {
     /// What was asked for and is not in the field.
     pub(crate) fn find_losses(&mut self) {
         let mut losses = Vec::new();
+        if let Some((claimed, found)) = self.ingest.cut {
+            losses.push(format!("the capture is cut off: {found} of {claimed} frames are there"));
+        }
         if !self.head.frames_without_pose.is_empty() {
             let n = self.head.frames_without_pose.len();
             losses

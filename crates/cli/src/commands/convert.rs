@@ -46,12 +46,14 @@ fn options(args: &ConvertArgs) -> ConvertOptions {
     let method = match args.method {
         MethodArg::Paper => FitMethod::Paper(PaperOptions { reading, span }),
     };
+    let ingest = IngestOptions {
+        unit: args.read.unit,
+        subject: args.read.subject.clone(),
+        allow_cut: args.read.allow_cut,
+        ..IngestOptions::default()
+    };
     ConvertOptions {
-        ingest: IngestOptions {
-            unit: args.read.unit,
-            subject: args.read.subject.clone(),
-            ..IngestOptions::default()
-        },
+        ingest,
         fit: FitOptions { method, rate_hz: args.rate_hz },
         extent_m: args.extent_mm * 1e-3,
         edge_m: args.voxel_mm * 1e-3,

@@ -1,6 +1,6 @@
 use super::{Frames, Point, Positions, Recording, Role};
 use crate::{CaptureFormat, IngestError, OtherContent};
-use tousle_c3d::{Info, Reader};
+use tousle_c3d::{Info, Reader, Warning};
 use tousle_core::UpAxis;
 
 /// The points of a C3D; analog channels, events and rotations are named.
@@ -16,8 +16,16 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
         points: (0..info.n_points).map(|idx| point(info, idx)).collect(),
         other: other(info),
         warnings: reader.warnings().iter().map(ToString::to_string).collect(),
+        cut: reader.warnings().iter().find_map(cut),
         positions: Positions::C3d(Box::new(reader)),
     })
+}
+
+fn cut(warning: &Warning) -> Option<(u64, u64)> {
+    match warning {
+        Warning::CutShort { claimed, found } => Some((*claimed, *found)),
+        _ => None,
+    }
 }
 
 fn point(info: &Info, idx: usize) -> Point {

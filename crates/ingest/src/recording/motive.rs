@@ -30,6 +30,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
         positions: Positions::Table(file.table.points.into_iter().map(|p| p.positions).collect()),
         other: if rotations.count > 0 { vec![rotations] } else { Vec::new() },
         warnings,
+        cut: None,
     })
 }
 

@@ -37,6 +37,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
         positions: Positions::Table(table.points.into_iter().map(|p| p.positions).collect()),
         other,
         warnings,
+        cut: None,
     })
 }
 
