@@ -1,19 +1,25 @@
 //! Accuracy scores against truth, and error against run time.
 //!
 //! [`score_motion`] and [`score_field`] are the figures that others use; [`Truth`] reads what they compare with.
-//! [`WorkPrecision`] shows what accuracy costs, [`Table`] everything else.
+//! [`sim_in_true_wind`] judges the simulator alone, [`paper::run`] the whole 2008 method. [`WorkPrecision`] shows
+//! what accuracy costs, [`Table`] everything else.
+
+pub mod paper;
 
 mod baselines;
+mod capture;
 mod clock;
 mod motion;
 mod npy;
 mod precision;
 mod stats;
 mod table;
+mod true_wind;
 mod truth;
 mod wind;
 
 pub use baselines::{Baseline, never_moves, read_baselines};
+pub use capture::{BenchError, CaptureFolder};
 pub use clock::{Cost, Stopwatch};
 pub use motion::{
     LockScore, MotionScore, PointScore, SCORED_FROM_SECS, ScoreError, TrueMotion, score_motion,
@@ -21,6 +27,7 @@ pub use motion::{
 pub use npy::NpyError;
 pub use precision::{Curve, CurvePoint, WorkPrecision};
 pub use table::{Cell, Table};
+pub use true_wind::{Judged, sim_in_field, sim_in_true_wind};
 pub use truth::{Truth, TruthError};
 pub use wind::{
     FieldScore, FieldScoreError, ReferenceLock, TrueWind, VectorScore, resample_to_truth, score_field,

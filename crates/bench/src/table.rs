@@ -1,7 +1,6 @@
 //! Figures in rows and columns, for the terminal, spreadsheets, programs and pages.
 
 use serde::Serialize;
-use std::fmt::Write as _;
 
 /// Rows of figures under named columns.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -56,7 +55,8 @@ impl Table {
             let mut row = String::new();
             for ((cell, left), width) in cells.iter().zip(&widths) {
                 let pad = " ".repeat(width - cell.chars().count());
-                let _ = if *left { write!(row, "  {cell}{pad}") } else { write!(row, "  {pad}{cell}") };
+                let (before, after) = if *left { ("", pad.as_str()) } else { (pad.as_str(), "") };
+                row.extend(["  ", before, cell, after]);
             }
             text.push_str(row.trim_end());
             text.push('\n');
@@ -91,24 +91,17 @@ impl Table {
         csv
     }
 
-    /// A `<table>` with the title as its caption.
-    pub fn to_html(&self) -> String {
-        let mut html = format!("<table>\n<caption>{}</caption>\n<thead><tr>", escape(&self.title));
-        for (c, name) in self.columns.iter().enumerate() {
-            let class = if self.is_words(c) { "" } else { " class=\"n\"" };
-            let _ = write!(html, "<th{class}>{}</th>", escape(name));
+    /// The table for a page.
+    pub fn to_page(&self) -> tousle_page::Table {
+        let column = |(c, name): (usize, &String)| match self.is_words(c) {
+            true => tousle_page::Column::text(name),
+            false => tousle_page::Column::number(name, ""),
+        };
+        tousle_page::Table {
+            caption: self.title.clone(),
+            columns: self.columns.iter().enumerate().map(column).collect(),
+            rows: self.rows.iter().map(|row| row.iter().map(Cell::to_page).collect()).collect(),
         }
-        html.push_str("</tr></thead>\n<tbody>\n");
-        for row in &self.rows {
-            html.push_str("<tr>");
-            for cell in row {
-                let class = if matches!(cell, Cell::Text(_)) { "" } else { " class=\"n\"" };
-                let _ = write!(html, "<td{class}>{}</td>", escape(&cell.to_string()));
-            }
-            html.push_str("</tr>\n");
-        }
-        html.push_str("</tbody>\n</table>\n");
-        html
     }
 
     fn is_words(&self, column: usize) -> bool {
@@ -140,6 +133,16 @@ impl Cell {
         value.map_or(Self::Missing, |value| Self::number(value, decimals))
     }
 
+    fn to_page(&self) -> tousle_page::Cell {
+        match self {
+            Self::Text(words) => tousle_page::Cell::Text(words.clone()),
+            Self::Number { value, decimals } => {
+                tousle_page::Cell::Number(tousle_page::decimals(*value, *decimals))
+            }
+            Self::Missing => tousle_page::Cell::Number(self.to_string()),
+        }
+    }
+
     fn to_csv(&self) -> String {
         match self {
             Self::Text(words) => csv_field(words),
@@ -167,11 +170,6 @@ fn csv_field(field: &str) -> String {
     }
 }
 
-/// Text made fit to stand in HTML and SVG.
-pub(crate) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -196,9 +194,10 @@ mod tests {
     }
 
     #[test]
-    fn pages_get_escaped_words() {
-        let html = table().to_html();
-        assert!(html.contains("<td>a &quot;new&quot; &lt;one&gt;</td><td class=\"n\">–</td>"), "{html}");
+    fn pages_get_words_to_the_left_and_figures_to_the_right() {
+        let page = table().to_page();
+        assert_eq!(page.columns.iter().map(|c| c.numeric).collect::<Vec<_>>(), [false, true]);
+        assert_eq!(page.rows[0][1], tousle_page::Cell::Number("25.6".into()));
     }
 
     #[test]

@@ -131,7 +131,7 @@ pub fn score_field(predicted: &FieldSequence, truth: &TrueWind) -> Result<FieldS
     Ok(FieldScore { hair, nearby, elsewhere })
 }
 
-/// A field of another grid or rate, sampled at the truth's voxel centers and times.
+/// A field of another grid or rate, sampled at the truth's voxel centers and times, its layers included.
 pub fn resample_to_truth(field: &FieldSequence, truth: &TrueWind) -> FieldSequence {
     let steps = truth.times_secs.iter().map(|&time| {
         let slice = field.at(time);
