@@ -2,7 +2,8 @@
 
 use crate::array::{self, Shape};
 use crate::finding::Place;
-use crate::format::{FORMAT, VERSION};
+use crate::format::{EDITS_SCHEMA, FORMAT, MANIFEST_SCHEMA, VERSION};
+use crate::json_schema;
 use crate::manifest::{FieldInfo, Manifest};
 use crate::wire::edits::Edits;
 use crate::wire::proto::{FieldStep, PoseStep, SampleStep};
@@ -10,6 +11,8 @@ use crate::wire::tags::{self, BadField, Fields};
 use crate::wire::{proto, scene};
 use crate::{Code, Finding, check};
 use serde::de::DeserializeOwned;
+use serde_json::Value;
+use std::sync::LazyLock;
 use tousle_core::{Pose, Vec3, WindSample};
 use tousle_field::{Field, VoxelFlag};
 
@@ -22,7 +25,8 @@ pub(crate) struct Stamp {
 
 /// Decodes a manifest. One of a newer version is refused by that name before its members are looked at.
 pub(crate) fn manifest(payload: &[u8], place: Place<'_>) -> Result<Manifest, Vec<Finding>> {
-    let value: serde_json::Value = from_json(payload, place).map_err(|f| vec![*f])?;
+    static SCHEMA: LazyLock<Value> = LazyLock::new(|| json_of(MANIFEST_SCHEMA));
+    let value: Value = from_json(payload, place).map_err(|f| vec![*f])?;
     if value["format"] == FORMAT {
         if let Some(version) = value["version"].as_u64().filter(|v| *v > u64::from(VERSION)) {
             let expected = format!("at most {VERSION}, the newest this program reads");
@@ -30,20 +34,39 @@ pub(crate) fn manifest(payload: &[u8], place: Place<'_>) -> Result<Manifest, Vec
         }
         let requires = value["requires"].as_array().map_or(&[][..], Vec::as_slice);
         if let Some(feature) = requires.first() {
-            return Err(vec![*place.finding(
-                Code::Requires,
-                "requires[0]",
-                feature,
-                "features that version 1 has: none",
-            )]);
+            let expected = "features that version 1 has: none";
+            return Err(vec![*place.finding(Code::Requires, "requires[0]", feature, expected)]);
         }
     }
-    from_json(payload, place).map_err(|f| vec![*f])
+    by_schema(payload, &value, &SCHEMA, place)
 }
 
 /// Decodes a message of edits.
 pub(crate) fn edits(payload: &[u8], place: Place<'_>) -> Result<Edits, Vec<Finding>> {
-    from_json(payload, place).map_err(|f| vec![*f])
+    static SCHEMA: LazyLock<Value> = LazyLock::new(|| json_of(EDITS_SCHEMA));
+    let value: Value = from_json(payload, place).map_err(|f| vec![*f])?;
+    by_schema(payload, &value, &SCHEMA, place)
+}
+
+/// Decodes JSON that satisfies its schema.
+fn by_schema<T: DeserializeOwned>(
+    payload: &[u8],
+    value: &Value,
+    schema: &Value,
+    place: Place<'_>,
+) -> Result<T, Vec<Finding>> {
+    let violations = json_schema::violations(value, schema);
+    if violations.is_empty() {
+        // The payload and not the value: a member that is there twice is seen in the payload only.
+        return from_json(payload, place).map_err(|f| vec![*f]);
+    }
+    let finding = |v: json_schema::Violation| *place.finding(Code::JsonSchema, v.path, v.found, v.expected);
+    Err(violations.into_iter().map(finding).collect())
+}
+
+/// One of our own schemas.
+fn json_of(schema: &[u8]) -> Value {
+    serde_json::from_slice(schema).expect("a test keeps the schemas current")
 }
 
 /// Decodes a pose.
@@ -160,17 +183,12 @@ fn flags(bytes: &[u8], n: usize, place: Place<'_>) -> Result<Vec<VoxelFlag>, Box
     bytes.iter().enumerate().map(flag).collect()
 }
 
-/// Decodes JSON; says where in it what is wrong.
+/// Decodes JSON.
 fn from_json<T: DeserializeOwned>(payload: &[u8], place: Place<'_>) -> Result<T, Box<Finding>> {
-    let mut json = serde_json::Deserializer::from_slice(payload);
-    let value = serde_path_to_error::deserialize(&mut json).map_err(|error| {
-        let path = error.path().to_string();
-        let error = error.into_inner();
+    serde_json::from_slice(payload).map_err(|error| {
         let code = if error.is_data() { Code::JsonSchema } else { Code::Json };
-        place.finding(code, path, error, "what the schema says")
-    })?;
-    json.end().map_err(|error| place.finding(Code::Json, "payload", error, "nothing more"))?;
-    Ok(value)
+        place.finding(code, "payload", error, "JSON as the schema has it")
+    })
 }
 
 /// Decodes protobuf that holds fields of this version only.

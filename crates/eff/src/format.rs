@@ -30,9 +30,12 @@ pub(crate) struct Stream {
     pub schema: &'static [u8],
 }
 
-const DESCRIPTORS: &[u8] = include_bytes!("../../../schemas/eff.v1.binpb");
-const MANIFEST_SCHEMA: &[u8] = include_bytes!("../../../schemas/eff.v1.manifest.json");
-const EDITS_SCHEMA: &[u8] = include_bytes!("../../../schemas/eff.v1.edits.json");
+/// The descriptors of the binary messages, a `FileDescriptorSet`.
+pub(crate) const DESCRIPTORS: &[u8] = include_bytes!("../../../schemas/eff.v1.binpb");
+/// The JSON Schema of a manifest.
+pub(crate) const MANIFEST_SCHEMA: &[u8] = include_bytes!("../../../schemas/eff.v1.manifest.json");
+/// The JSON Schema of edits.
+pub(crate) const EDITS_SCHEMA: &[u8] = include_bytes!("../../../schemas/eff.v1.edits.json");
 
 const fn json(topic: &'static str, schema_name: &'static str, schema: &'static [u8]) -> Stream {
     Stream { topic, message_encoding: "json", schema_name, schema_encoding: "jsonschema", schema }

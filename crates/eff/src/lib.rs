@@ -44,6 +44,7 @@ mod error;
 mod finding;
 mod format;
 mod inspect;
+mod json_schema;
 mod read;
 mod reader;
 mod record;

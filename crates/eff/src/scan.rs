@@ -99,7 +99,12 @@ fn data_section<R: Read>(
                 return Ok(!findings.is_enough());
             }
             Ok(record) => data.record(record, opcode, &body, offset, findings)?,
-            Err(short) => findings.push(broken(at(offset), opcode, &body, short)),
+            Err(short) => {
+                findings.push(broken(at(offset), opcode, &body, short));
+                if opcode == record::op::CHUNK {
+                    data.lose_chunk(at(offset), findings);
+                }
+            }
         }
     }
     Ok(false)

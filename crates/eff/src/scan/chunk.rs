@@ -7,15 +7,15 @@ use std::collections::BTreeMap;
 use std::io::Read;
 
 /// Where each channel's messages are: log time and offset within the unpacked chunk.
-pub(super) type Indexes = BTreeMap<u16, Vec<(u64, u64)>>;
+pub(crate) type Indexes = BTreeMap<u16, Vec<(u64, u64)>>;
 
-/// Scans the records in a chunk; gives what its message indexes must say.
+/// Scans the records in a chunk; gives what its message indexes must say, or `None` if it cannot be read.
 pub(super) fn scan(
     data: &mut Data<'_>,
     chunk: &Chunk<'_>,
     place: Place<'_>,
     findings: &mut Findings,
-) -> Result<Indexes, EffError> {
+) -> Result<Option<Indexes>, EffError> {
     let n_before = findings.n_errors();
     let unpacked = match unpack(chunk, place) {
         Ok(unpacked) => {
@@ -29,7 +29,7 @@ pub(super) fn scan(
     };
     if findings.n_errors() > n_before {
         // What is in it is noise; findings about it would hide the one that matters.
-        return Ok(Indexes::new());
+        return Ok(None);
     }
     let mut indexes = Indexes::new();
     for record in records_in(&unpacked) {
@@ -60,7 +60,7 @@ pub(super) fn scan(
         }
     }
     check_times(chunk, &indexes, place, findings);
-    Ok(indexes)
+    Ok(Some(indexes))
 }
 
 /// A record in an unpacked chunk.

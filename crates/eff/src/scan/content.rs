@@ -12,6 +12,8 @@ use tousle_field::VoxelFlag;
 pub(super) struct Content<'v> {
     listener: &'v mut dyn Listener,
     manifest: Option<Manifest>,
+    /// That there is none, or none that is sound, was said.
+    misses_manifest: bool,
     n_edits: u64,
     n_poses: u64,
     n_samples: u64,
@@ -25,6 +27,7 @@ impl<'v> Content<'v> {
         Self {
             listener,
             manifest: None,
+            misses_manifest: false,
             n_edits: 0,
             n_poses: 0,
             n_samples: 0,
@@ -53,14 +56,10 @@ impl<'v> Content<'v> {
             return self.manifest(message, place, findings);
         }
         let Some(manifest) = self.manifest.take() else {
-            // One finding suffices; without a manifest every message would give one.
-            if position == 0 {
-                findings.push(place.finding(
-                    Code::Missing,
-                    "message",
-                    "no manifest before it",
-                    "a sound manifest first",
-                ));
+            // Without a sound manifest no message can be checked; saying so once suffices.
+            if !std::mem::replace(&mut self.misses_manifest, true) {
+                let found = "no manifest before it";
+                findings.push(place.finding(Code::Missing, "message", found, "a manifest first"));
             }
             return Ok(());
         };
@@ -87,6 +86,7 @@ impl<'v> Content<'v> {
         let manifest = match decode::manifest(message.data, place) {
             Ok(manifest) => manifest,
             Err(found) => {
+                self.misses_manifest = true;
                 found.into_iter().for_each(|f| findings.push(f));
                 return Ok(());
             }
@@ -96,6 +96,8 @@ impl<'v> Content<'v> {
         if findings.n_errors() == n_before {
             self.listener.manifest(&manifest)?;
             self.manifest = Some(manifest);
+        } else {
+            self.misses_manifest = true;
         }
         Ok(())
     }
@@ -203,6 +205,17 @@ impl<'v> Content<'v> {
         self.listener.step(step)
     }
 
+    /// A message of a topic is there but cannot be read.
+    pub fn skip(&mut self, topic: &str) {
+        match topic {
+            topic::MANIFEST => self.misses_manifest = true,
+            topic::EDITS => self.n_edits += 1,
+            topic::POSE => self.n_poses += 1,
+            topic::SAMPLES => self.n_samples += 1,
+            _ => self.n_steps += 1,
+        }
+    }
+
     pub fn attachment(&mut self, a: record::Attachment<'_>) {
         self.listener.attachment(Attachment {
             name: a.name.to_owned(),
@@ -214,8 +227,8 @@ impl<'v> Content<'v> {
     /// No message follows: there must have been as many as the manifest states.
     pub fn end(&mut self, place: Place<'_>, findings: &mut Findings) {
         let Some(manifest) = &self.manifest else {
-            if self.n_edits + self.n_poses + self.n_samples + self.n_steps == 0 {
-                findings.push(place.finding(Code::Missing, "manifest", "none", "a sound manifest"));
+            if !self.misses_manifest {
+                findings.push(place.finding(Code::Missing, "manifest", "none", "one"));
             }
             return;
         };

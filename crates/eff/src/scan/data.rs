@@ -1,5 +1,6 @@
+use super::chunk::{self, Indexes};
 use super::facts::{AttachmentFacts, ChunkFacts};
-use super::{Listener, at, check_crc, chunk, content::Content};
+use super::{Listener, at, check_crc, content::Content};
 use crate::finding::Place;
 use crate::format::{PROFILE, STREAMS, Stream, topic};
 use crate::record::{self, Attachment, Channel, Message, PREFIX, Record, Schema, Statistics};
@@ -18,7 +19,9 @@ pub(crate) struct Data<'v> {
     known_schemas: BTreeMap<u16, Option<&'static Stream>>,
     known_channels: BTreeMap<u16, Option<&'static Stream>>,
     /// What the last chunk's message indexes must be, until they are read.
-    pending_indexes: BTreeMap<u16, Vec<(u64, u64)>>,
+    pending_indexes: Indexes,
+    /// The last chunk could not be read: its message indexes are all that is known of it.
+    is_chunk_lost: bool,
     pub chunks: Vec<ChunkFacts>,
     pub attachments: Vec<AttachmentFacts>,
     pub statistics: Statistics,
@@ -33,7 +36,8 @@ impl<'v> Data<'v> {
             channels: BTreeMap::new(),
             known_schemas: BTreeMap::new(),
             known_channels: BTreeMap::new(),
-            pending_indexes: BTreeMap::new(),
+            pending_indexes: Indexes::new(),
+            is_chunk_lost: false,
             chunks: Vec::new(),
             attachments: Vec::new(),
             statistics: Statistics::default(),
@@ -60,6 +64,7 @@ impl<'v> Data<'v> {
         self.header_comes_first(&record, opcode, place, findings);
         if !matches!(record, Record::MessageIndex { .. }) {
             self.indexes_are_complete(place, findings);
+            self.is_chunk_lost = false;
         }
         match record {
             Record::Header { profile } => {
@@ -87,7 +92,10 @@ impl<'v> Data<'v> {
                     compressed_size: chunk.data.len() as u64,
                     uncompressed_size: chunk.uncompressed_size,
                 });
-                self.pending_indexes = chunk::scan(self, &chunk, place, findings)?;
+                match chunk::scan(self, &chunk, place, findings)? {
+                    Some(indexes) => self.pending_indexes = indexes,
+                    None => self.is_chunk_lost = true,
+                }
             }
             Record::MessageIndex { channel_id, entries } => {
                 self.message_index(channel_id, &entries, offset, length, findings);
@@ -106,6 +114,12 @@ impl<'v> Data<'v> {
             }
         }
         Ok(())
+    }
+
+    /// A chunk's record is broken.
+    pub fn lose_chunk(&mut self, place: Place<'_>, findings: &mut Findings) {
+        self.indexes_are_complete(place, findings);
+        self.is_chunk_lost = true;
     }
 
     /// The data section is over: whatever should have come has come.
@@ -211,14 +225,7 @@ impl<'v> Data<'v> {
         place: Place<'_>,
         findings: &mut Findings,
     ) -> Result<(), EffError> {
-        let statistics = &mut self.statistics;
-        let is_first = statistics.channel_message_counts.is_empty();
-        let count = statistics.channel_message_counts.entry(message.channel_id).or_default();
-        let position = *count;
-        *count += 1;
-        statistics.start_time =
-            if is_first { message.log_time } else { statistics.start_time.min(message.log_time) };
-        statistics.end_time = statistics.end_time.max(message.log_time);
+        let position = self.count(message.channel_id, message.log_time);
         match self.known_channels.get(&message.channel_id) {
             Some(Some(stream)) => {
                 let place = Place { channel: Some(stream.topic), time_ns: Some(message.log_time), ..place };
@@ -269,6 +276,7 @@ impl<'v> Data<'v> {
         findings: &mut Findings,
     ) {
         match self.pending_indexes.remove(&channel_id) {
+            _ if self.is_chunk_lost => self.count_lost(channel_id, entries),
             Some(expected) if expected == entries => {}
             // Some writers index every channel in every chunk.
             None if entries.is_empty() => {}
@@ -290,6 +298,28 @@ impl<'v> Data<'v> {
             chunk.message_index_offsets.insert(channel_id, offset);
             chunk.message_index_length += length;
         }
+    }
+
+    /// Counts messages that cannot be read, so that those after them are not taken for out of order.
+    fn count_lost(&mut self, channel_id: u16, entries: &[(u64, u64)]) {
+        let stream = self.known_channels.get(&channel_id).copied().flatten();
+        for (log_time, _) in entries {
+            self.count(channel_id, *log_time);
+            if let Some(stream) = stream {
+                self.content.skip(stream.topic);
+            }
+        }
+    }
+
+    /// Counts a message; gives how many of its channel came before.
+    fn count(&mut self, channel_id: u16, log_time: u64) -> u64 {
+        let statistics = &mut self.statistics;
+        let is_first = statistics.channel_message_counts.is_empty();
+        let count = statistics.channel_message_counts.entry(channel_id).or_default();
+        *count += 1;
+        statistics.start_time = if is_first { log_time } else { statistics.start_time.min(log_time) };
+        statistics.end_time = statistics.end_time.max(log_time);
+        *count - 1
     }
 
     fn indexes_are_complete(&mut self, place: Place<'_>, findings: &mut Findings) {

@@ -98,3 +98,68 @@ pub(crate) enum Encoding {
     Fixed16 = 3,
     Fixed32 = 4,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use prost::Message;
+    use protox::prost_reflect::{DescriptorPool, DynamicMessage, ReflectMessage, Value};
+
+    /// What we write, read by the descriptors that travel in the file: every field arrives, by its name.
+    #[test]
+    fn the_descriptors_read_what_we_write() {
+        let array = |encoding: Encoding| Array { encoding: encoding as i32, quantum: 0.25, data: vec![1, 2] };
+        let vector = Vector3 { x: 1.0, y: 2.0, z: 3.0 };
+        let field = by_descriptor(
+            "FieldStep",
+            &FieldStep {
+                index: 1,
+                time_ns: 2,
+                u: Some(array(Encoding::F16)),
+                flags: vec![3],
+                sd: Some(array(Encoding::F32)),
+                outside: Some(vector),
+            },
+        );
+        assert_eq!(field.get_field_by_name("time_ns").unwrap().as_u64(), Some(2));
+        assert_eq!(field.get_field_by_name("flags").unwrap().as_bytes().unwrap()[..], [3]);
+        let u = field.get_field_by_name("u").unwrap();
+        let u = u.as_message().unwrap();
+        assert_eq!(*u.get_field_by_name("encoding").unwrap(), Value::EnumNumber(2));
+        assert_eq!(*u.get_field_by_name("quantum").unwrap(), Value::F64(0.25));
+        by_descriptor(
+            "SampleStep",
+            &SampleStep {
+                index: 1,
+                time_ns: 2,
+                strand_idx: vec![3, 4],
+                marker_idx: vec![5, 6],
+                position_m: Some(array(Encoding::F32)),
+                value: Some(array(Encoding::Fixed16)),
+                covariance: Some(array(Encoding::Fixed32)),
+            },
+        );
+        let pose = by_descriptor(
+            "PoseStep",
+            &PoseStep {
+                index: 1,
+                time_ns: 2,
+                translation_m: Some(vector),
+                rotation: Some(Quaternion { x: 1.0, y: 2.0, z: 3.0, w: 4.0 }),
+            },
+        );
+        let rotation = pose.get_field_by_name("rotation").unwrap();
+        assert_eq!(*rotation.as_message().unwrap().get_field_by_name("w").unwrap(), Value::F64(4.0));
+    }
+
+    fn by_descriptor(name: &str, message: &impl Message) -> DynamicMessage {
+        let pool = DescriptorPool::decode(crate::format::DESCRIPTORS).unwrap();
+        let descriptor = pool.get_message_by_name(&format!("tousle.eff.v1.{name}")).unwrap();
+        let bytes = message.encode_to_vec();
+        let read = DynamicMessage::decode(descriptor, &bytes[..]).unwrap();
+        assert_eq!(read.unknown_fields().count(), 0);
+        assert!(read.descriptor().fields().all(|field| read.has_field(&field)), "{name}");
+        assert_eq!(read.encode_to_vec(), bytes);
+        read
+    }
+}

@@ -123,6 +123,7 @@ mod tests {
     use super::*;
     use crate::wire::proto;
     use prost::Message as _;
+    use protox::prost_reflect::{DescriptorPool, Kind, MessageDescriptor};
 
     #[test]
     fn what_we_write_has_known_fields_only() {
@@ -133,6 +134,30 @@ mod tests {
             rotation: Some(proto::Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 }),
         };
         assert_eq!(check(&pose.encode_to_vec(), &POSE_STEP), Ok(()));
+    }
+
+    /// The table says what the descriptors say, which travel in every file.
+    #[test]
+    fn the_table_is_the_descriptors() {
+        let pool = DescriptorPool::decode(crate::format::DESCRIPTORS).unwrap();
+        for (name, fields) in
+            [("FieldStep", &FIELD_STEP), ("SampleStep", &SAMPLE_STEP), ("PoseStep", &POSE_STEP)]
+        {
+            let message = pool.get_message_by_name(&format!("tousle.eff.v1.{name}")).unwrap();
+            assert_same(fields, &message);
+        }
+    }
+
+    fn assert_same(fields: &Fields, message: &MessageDescriptor) {
+        assert_eq!(fields.0.len(), message.fields().len(), "{}", message.name());
+        for (number, name, repeated, within) in fields.0 {
+            let field = message.get_field(*number as u32).unwrap();
+            assert_eq!((field.name(), field.is_list()), (*name, *repeated), "{}", message.name());
+            match (within, field.kind()) {
+                (Some(within), Kind::Message(message)) => assert_same(within, &message),
+                (within, kind) => assert!(within.is_none() && kind.as_message().is_none(), "{name}"),
+            }
+        }
     }
 
     #[test]

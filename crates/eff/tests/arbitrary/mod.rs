@@ -202,3 +202,21 @@ fn any_pose() -> impl Strategy<Value = Pose> {
         },
     )
 }
+
+/// As little as a file with everything in it can be: 2 x 2 x 1 voxels, 2 steps, 3 poses.
+pub fn tiny() -> Eff {
+    let mut eff = small();
+    let grid = GridSpec { origin_m: Vec3::new(-0.1, -0.1, -0.05), edge_m: 0.1, dims: [2, 2, 1] };
+    eff.name = "tiny".into();
+    eff.field.grid = grid;
+    eff.field.steps = (0..2).map(|k| step(&grid, f64::from(k))).collect();
+    eff.scene.poses.poses.truncate(3);
+    // Two samples at the second step, both in the first voxel, which is flagged as measured.
+    let mut samples = samples(&grid, 2);
+    let mut first = samples.steps[1][0];
+    first.marker_idx = 1;
+    first.covariance = [0.25, 0.5, 1.0, 0.125, 0.0, -0.25];
+    samples.steps[1].push(first);
+    eff.samples = Some(samples);
+    eff
+}
