@@ -100,11 +100,15 @@ fn warnings(capture: &Capture, session: &Session) -> Vec<String> {
     warnings
 }
 
-/// The label of the capture that is fewest typing errors away, if they are few enough to be that.
+/// The label of the capture that is fewest typing errors away, if they are few enough to be that; of several,
+/// the one that begins like it for longest.
 fn nearest(label: &str, capture: &Capture) -> Option<String> {
     let candidates = capture.trajectories.iter().filter(|t| !t.is_unlabeled());
-    let ranked = candidates.map(|t| (distance(&fold(label), &fold(&t.label)), &t.label));
-    let (errors, best) = ranked.min_by_key(|(errors, _)| *errors)?;
+    let rank = |other: &str| {
+        let n_alike = label.chars().zip(other.chars()).take_while(|(a, b)| a == b).count();
+        (distance(&fold(label), &fold(other)), std::cmp::Reverse(n_alike))
+    };
+    let ((errors, _), best) = candidates.map(|t| (rank(&t.label), &t.label)).min_by_key(|(rank, _)| *rank)?;
     (errors <= 1 + label.chars().count() / 4).then(|| best.clone())
 }
 

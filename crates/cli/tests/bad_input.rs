@@ -1,0 +1,166 @@
+//! Bad input: a clear error, exit code 1, and nothing written.
+
+mod common;
+
+use common::Room;
+
+/// Runs `convert` on a changed room; it must fail with these words and leave no file behind.
+#[track_caller]
+fn convert_refuses(change: impl FnOnce(&Room) -> String, words: &[&str]) {
+    let room = Room::new();
+    let arguments = change(&room);
+    let before = room.files();
+    room.run(&format!("convert {arguments} -o out.eff.mcap")).ended(1).says(words);
+    assert_eq!(room.files(), before);
+}
+
+const GOOD_SESSION: &str = "--session session.json";
+
+#[test]
+fn an_empty_capture() {
+    convert_refuses(
+        |room| {
+            room.write("empty.csv", "");
+            format!("empty.csv {GOOD_SESSION}")
+        },
+        &["empty.csv", "the file is empty"],
+    );
+}
+
+#[test]
+fn a_capture_that_is_not_there() {
+    convert_refuses(|_| format!("nowhere.c3d {GOOD_SESSION}"), &["nowhere.c3d", "No such file"]);
+}
+
+#[test]
+fn a_cut_c3d() {
+    convert_refuses(
+        |room| {
+            room.write("cut.c3d", &room.read("gusts.c3d")[..300_000]);
+            format!("cut.c3d {GOOD_SESSION}")
+        },
+        &["cut.c3d", "cut off", "expected 480"],
+    );
+}
+
+#[test]
+fn a_cut_c3d_that_the_user_wants_all_the_same_ends_with_loss() {
+    let room = Room::new();
+    room.write("cut.c3d", &room.read("gusts.c3d")[..400_000]);
+    let run = room.run("convert cut.c3d --session session.json -o out.eff.mcap --allow-cut");
+    run.ended(3).says(&["loss", "of 480 frames are there"]);
+    room.run("validate out.eff.mcap").ended(0);
+}
+
+#[test]
+fn a_csv_with_decimal_commas_between_commas() {
+    convert_refuses(
+        |room| {
+            let csv = "Trajectories\r\n120\r\n,,Wig:LFHD,,\r\nFrame,Sub Frame,X,Y,Z\r\n,,mm,mm,mm\r\n1,0,\"1,5\",\"2,5\",\"3,5\"\r\n";
+            room.write("comma.csv", csv);
+            format!("comma.csv {GOOD_SESSION}")
+        },
+        &["comma.csv", "line 6", "1,5"],
+    );
+}
+
+#[test]
+fn a_session_that_names_a_marker_which_is_not_there() {
+    convert_refuses(
+        |room| {
+            let session = String::from_utf8(room.read("session.json")).unwrap().replace("S05_3", "S05_33");
+            room.write("session.json", session);
+            format!("gusts.c3d {GOOD_SESSION}")
+        },
+        &["session.json", "S05_33 (the capture has S05_3)"],
+    );
+}
+
+#[test]
+fn a_session_that_is_no_json() {
+    convert_refuses(
+        |room| {
+            room.write("session.json", "{ \"name\": }");
+            format!("gusts.c3d {GOOD_SESSION}")
+        },
+        &["session.json", "line 1", "column 11"],
+    );
+}
+
+#[test]
+fn a_grid_that_is_no_whole_number_of_voxels() {
+    convert_refuses(|_| format!("gusts.c3d {GOOD_SESSION} --voxel-mm 70"), &["600 mm", "70 mm"]);
+}
+
+#[test]
+fn a_field_with_a_flipped_byte() {
+    let room = Room::new();
+    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 100").ended(0);
+    let mut bytes = room.read("f.eff.mcap");
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 0x10;
+    room.write("f.eff.mcap", bytes);
+    let before = room.files();
+    room.run("simulate f.eff.mcap --groom bob.json -o m.npz").ended(1).says(&[
+        "f.eff.mcap",
+        "found",
+        "expected",
+    ]);
+    assert_eq!(room.files(), before);
+    let validation = room.run("validate f.eff.mcap").ended(1);
+    assert!(validation.out.contains("NOT SOUND"), "{}", validation.out);
+}
+
+#[test]
+fn a_groom_with_a_nan() {
+    let room = Room::new();
+    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 100").ended(0);
+    let groom = String::from_utf8(room.read("bob.json")).unwrap().replacen("0.02266", "NaN", 1);
+    room.write("nan.json", groom);
+    let before = room.files();
+    room.run("simulate f.eff.mcap --groom nan.json -o m.npz").ended(1).says(&["nan.json", "line"]);
+    assert_eq!(room.files(), before);
+}
+
+/// `ulimit -f` counts kibibytes: the field of the demo is some 27 MB.
+#[test]
+#[cfg(unix)]
+fn a_disk_that_is_full() {
+    let room = Room::new();
+    let before = room.files();
+    let line = "ulimit -f 4096; $TOUSLE convert gusts.c3d --session session.json -o f.eff.mcap";
+    room.shell(line).ended(1).says(&["f.eff.mcap", "nothing was written", "File too large"]);
+    assert_eq!(room.files(), before);
+}
+
+#[test]
+fn a_full_disk_leaves_the_old_file() {
+    let room = Room::new();
+    room.write("f.eff.mcap", "old");
+    let line = "ulimit -f 4096; $TOUSLE convert gusts.c3d --session session.json -o f.eff.mcap";
+    room.shell(line).ended(1);
+    assert_eq!(room.read("f.eff.mcap"), b"old");
+}
+
+#[test]
+fn wrong_words_are_exit_code_2() {
+    let room = Room::new();
+    for words in [
+        "",
+        "fly",
+        "convert",
+        "convert a.c3d -o",
+        "simulate f --groom g -o m.npz --integrator magic",
+        "convert a --session s -o o --threads 0",
+    ] {
+        room.run(words).ended(2);
+    }
+}
+
+#[test]
+fn an_output_of_an_unknown_ending_is_refused_before_any_work() {
+    let room = Room::new();
+    room.run("simulate nowhere.eff.mcap --groom nowhere.json -o motion.fbx")
+        .ended(1)
+        .says(&["fbx", ".npz or .usda"]);
+}
