@@ -60,15 +60,14 @@ impl PaperStrand {
         let direction = self.directions[j];
         let lock = &self.lock;
         let vector = scene.wind.map_or_else(Vec3::zeros, |wind| wind.sample(middle));
-        let (wind, push_along) = match model.terms.quantity {
+        let (wind, push) = match model.terms.quantity {
             Quantity::AirVelocity => {
                 let head = scene.head.map_or_else(Vec3::zeros, |head| head.velocity_of(middle));
                 (vector - head, Vec3::zeros())
             }
             Quantity::ForcePerMass => {
                 let push = vector * lock.linear_density_kg_per_m;
-                let along = direction * direction.dot(&push);
-                (model.wind_that_pushes(push - along, lock.width_m), along)
+                model.wind_that_pushes(push, direction, lock.width_m)
             }
         };
         let drag = model.drag.at(lock.width_m, direction, wind - velocity);
@@ -77,7 +76,7 @@ impl PaperStrand {
         let along = outer(direction);
         let across = Matrix3::identity() - along + outer(drag.direction);
         AirOnStick {
-            force: (drag.force + push_along) * length,
+            force: (drag.force + push) * length,
             resisted: drag.change(direction, velocity) * length,
             resistance: (across * drag.across + along * drag.along) * length,
             // Twice the resistance across is what a motion along the wind meets; along the stick it is less.
@@ -87,12 +86,14 @@ impl PaperStrand {
 }
 
 impl PaperModel {
-    /// The wind across a stick whose push on it is this force per length, N/m.
-    fn wind_that_pushes(&self, push: Vec3, width_m: f64) -> Vec3 {
-        let strength = push.norm();
-        if strength == 0.0 || !self.terms.air {
-            return Vec3::zeros();
+    /// The wind across a stick whose push on it is the part across of this force per length, N/m; and the rest.
+    fn wind_that_pushes(&self, push: Vec3, direction: Vec3, width_m: f64) -> (Vec3, Vec3) {
+        let along = direction * direction.dot(&push);
+        let across = push - along;
+        let strength = across.norm();
+        if !self.terms.air || strength == 0.0 {
+            return (Vec3::zeros(), push);
         }
-        push * (self.drag.speed_across(width_m, strength) / strength)
+        (across * (self.drag.speed_across(width_m, strength) / strength), along)
     }
 }

@@ -1,0 +1,182 @@
+//! Frames, times, terms and bytes: what callers rely on.
+
+mod common;
+
+use common::{farthest, mannequin, options, over_the_head, run, still_air, straight, track, uniform};
+use std::sync::Mutex;
+use tousle_core::{Pose, PoseTrack, Progress, Quantity, Vec3};
+use tousle_field::{Ease, FieldLayer, Handle, LayerOrigin};
+use tousle_sim::{Integrator, SimOptions, TimeMode, simulate};
+
+fn gusts() -> tousle_field::FieldSequence {
+    let gust = |k: i32| Vec3::new(-2.0, 3.0 * libm::sin(0.4 * f64::from(k)), 0.5);
+    uniform(Quantity::AirVelocity, 30.0, &(0..31).map(gust).collect::<Vec<_>>())
+}
+
+fn many() -> Vec<tousle_core::Strand> {
+    (0..23)
+        .map(|k| {
+            let (sin, cos) = libm::sincos(0.27 * f64::from(k));
+            straight(
+                Vec3::new(0.1 * cos, 0.09 * sin, 0.03),
+                Vec3::new(0.2 * cos, 0.2 * sin, -1.0),
+                0.2,
+                5 + k as usize % 7,
+            )
+        })
+        .collect()
+}
+
+#[test]
+fn the_first_frame_is_the_rest_curve_and_the_last_is_the_fields_end() {
+    let motion = run(&gusts(), &mannequin(), many(), &SimOptions::default()).unwrap().motion;
+    assert_eq!(motion.times_secs.len(), 61);
+    assert!((motion.times_secs[60] - 1.0).abs() < 1e-12);
+    assert_eq!(motion.positions_m.len(), 61 * motion.n_points());
+    let rest: Vec<[f32; 3]> =
+        many().iter().flat_map(|s| s.rest_curve_m.clone()).map(|p| p.map(|c| c as f32).into()).collect();
+    assert_eq!(motion.frame(0), rest);
+    // Roots stay.
+    assert_eq!(motion.strand(60, 7)[0], motion.strand(0, 7)[0]);
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bytes() {
+    let bits = |n_threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+        let simulation =
+            pool.install(|| run(&gusts(), &mannequin(), many(), &SimOptions::default()).unwrap());
+        let bits: Vec<u32> = simulation.motion.positions_m.iter().flatten().map(|c| c.to_bits()).collect();
+        (bits, simulation.report)
+    };
+    let one = bits(1);
+    assert_eq!(one, bits(3));
+    assert_eq!(one, bits(1));
+}
+
+/// A strand moves the same alone and among others.
+#[test]
+fn strands_do_not_know_of_one_another() {
+    let together = run(&gusts(), &mannequin(), many(), &SimOptions::default()).unwrap().motion;
+    let alone = run(&gusts(), &mannequin(), vec![many()[11].clone()], &SimOptions::default()).unwrap().motion;
+    assert_eq!(together.strand(47, 11), alone.frame(47));
+}
+
+#[test]
+fn once_loop_and_hold_differ_after_the_end_only() {
+    let run_for = |time: TimeMode| {
+        let options = SimOptions { time, duration_secs: Some(3.0), ..SimOptions::default() };
+        run(&gusts(), &mannequin(), many(), &options).unwrap().motion
+    };
+    let [once, again, hold] = [TimeMode::Once, TimeMode::Loop, TimeMode::Hold].map(run_for);
+    assert_eq!(once.frame(58), again.frame(58));
+    assert_eq!(once.frame(58), hold.frame(58));
+    let apart = |a: &tousle_core::StrandMotion, b: &tousle_core::StrandMotion| {
+        let pairs = a.frame(150).iter().zip(b.frame(150));
+        pairs
+            .map(|(a, b)| (Vec3::from(a.map(f64::from)) - Vec3::from(b.map(f64::from))).norm())
+            .fold(0.0, f64::max)
+    };
+    assert!(apart(&once, &again) > 5e-3 && apart(&once, &hold) > 5e-3 && apart(&again, &hold) > 5e-3);
+}
+
+#[test]
+fn a_shots_own_head_replaces_the_captures() {
+    let shake = |k: i32| {
+        let turn =
+            nalgebra::UnitQuaternion::from_scaled_axis(Vec3::z() * (0.5 * libm::sin(0.1 * f64::from(k))));
+        Pose::from_parts(Vec3::zeros().into(), turn)
+    };
+    let head = PoseTrack { start_secs: 0.0, rate_hz: 120.0, poses: (0..240).map(shake).collect() };
+    let options = SimOptions { head: Some(head), duration_secs: Some(1.5), ..SimOptions::default() };
+    let simulation = run(&still_air(), &mannequin(), vec![many()[0].clone()], &options).unwrap();
+    assert!(farthest(&simulation.motion) > 0.01);
+    let entry = simulation.report.plan.iter().find(|entry| entry.term == "head movement").unwrap();
+    assert!(entry.active && entry.why.contains("shot"), "{}", entry.why);
+    assert!(simulation.report.assumed.iter().any(|a| a.what == "torso"));
+}
+
+/// The plan names every term of E2, and leaves out what the scene does not have.
+#[test]
+fn the_plan_says_what_runs_and_why_not() {
+    let report =
+        run(&still_air(), &mannequin(), vec![over_the_head()], &SimOptions::default()).unwrap().report;
+    let active = |term: &str| report.plan.iter().find(|entry| entry.term == term).map(|entry| entry.active);
+    assert_eq!(active("gravity"), Some(true));
+    assert_eq!(active("wind"), Some(false));
+    assert_eq!(active("head movement"), Some(false));
+    assert_eq!(active("spring"), Some(true));
+    assert_eq!(active("collision"), Some(true));
+    assert_eq!(active("edits"), Some(false));
+    assert!(report.plan.iter().all(|entry| !entry.why.is_empty()));
+}
+
+/// An edit moves the hair during its span and leaves it alone, to the bit, before.
+#[test]
+fn an_edit_layer_acts_in_its_span() {
+    let mut field = gusts();
+    let plain = run(&field, &mannequin(), many(), &SimOptions::default()).unwrap().motion;
+    field.layers.push(FieldLayer {
+        id: "1".into(),
+        name: "lift".into(),
+        muted: false,
+        first_secs: 0.5,
+        last_secs: 0.9,
+        ease: Ease { rise: 0.5, fall: 0.5 },
+        handles: vec![Handle {
+            center_m: Vec3::new(0.1, 0.0, -0.1),
+            reach_m: 0.3,
+            extra: Vec3::new(8.0, 0.0, 0.0),
+        }],
+        origin: LayerOrigin::Drag {
+            strand: "strand".into(),
+            control_point: 4,
+            target_m: Vec3::zeros(),
+            method: "paper".into(),
+        },
+    });
+    let edited = run(&field, &mannequin(), many(), &SimOptions::default()).unwrap().motion;
+    assert_eq!(plain.frame(30), edited.frame(30));
+    let moved = (track(&plain, 5)[50] - track(&edited, 5)[50]).norm();
+    assert!(moved > 1e-3, "{moved}");
+    field.layers[0].muted = true;
+    assert_eq!(run(&field, &mannequin(), many(), &SimOptions::default()).unwrap().motion, plain);
+}
+
+/// A force per mass acts on a strand as it is, whatever its width: a wind that pushes as hard does the same.
+#[test]
+fn a_force_per_mass_is_a_wind_that_pushes_as_hard() {
+    let strand = || straight(Vec3::new(0.3, 0.0, 0.2), -Vec3::z(), 0.05, 1);
+    let law = tousle_rod::DragLaw::in_air(1.2);
+    let speed = 1.5;
+    let push = law.across(4e-3, speed) * speed / 1.5e-3;
+    let tip = |quantity: Quantity, strength: f64| {
+        let field = uniform(quantity, 30.0, &[Vec3::x() * strength]);
+        let motion =
+            run(&field, &mannequin(), vec![strand()], &options(Integrator::Exponential, 1.0 / 240.0, 0.05))
+                .unwrap()
+                .motion;
+        track(&motion, 1)[3] - track(&motion, 1)[0]
+    };
+    let (by_force, by_wind) = (tip(Quantity::ForcePerMass, push), tip(Quantity::AirVelocity, speed));
+    assert!(by_wind.norm() > 1e-4);
+    assert!((by_force - by_wind).norm() < 0.02 * by_wind.norm(), "{by_force} {by_wind}");
+}
+
+struct Watch(Mutex<Vec<(u64, u64)>>);
+
+impl Progress for Watch {
+    fn at(&self, done: u64, total: u64) {
+        self.0.lock().expect("no other thread has panicked").push((done, total));
+    }
+}
+
+#[test]
+fn progress_ends_at_the_total() {
+    let watch = Watch(Mutex::new(Vec::new()));
+    simulate(&gusts(), &mannequin(), &common::groom(many()), &SimOptions::default(), &watch).unwrap();
+    let seen = watch.0.into_inner().unwrap();
+    assert!(seen.len() > 10);
+    assert!(seen.iter().any(|(done, total)| done == total));
+    assert!(seen.iter().all(|(done, total)| done <= total));
+}
