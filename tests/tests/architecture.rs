@@ -1,5 +1,7 @@
 //! Holds the crates to `docs/architecture.md`: who may know whom.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use cargo_metadata::{DependencyKind, MetadataCommand, Package};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,5 +1,7 @@
 //! From a capture to a field: the main job, on the demo's capture and on those a stranger does not have.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use std::collections::BTreeMap;
 use tousle_core::NoProgress;
 use tousle_eff::{ReadOptions, WriteOptions};

@@ -1,5 +1,7 @@
 //! The head's pose against the truth of captures that a stranger does not have (`TOUSLE_SHARED`).
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use std::fs;
 use std::path::Path;
 use tousle_bench::Truth;

@@ -10,7 +10,6 @@ mod baselines;
 mod capture;
 mod clock;
 mod motion;
-mod npy;
 mod precision;
 mod stats;
 mod table;
@@ -24,7 +23,6 @@ pub use clock::{Cost, Stopwatch};
 pub use motion::{
     LockScore, MotionScore, PointScore, SCORED_FROM_SECS, ScoreError, TrueMotion, score_motion,
 };
-pub use npy::NpyError;
 pub use precision::{Curve, CurvePoint, WorkPrecision};
 pub use table::{Cell, Table};
 pub use true_wind::{Judged, sim_in_field, sim_in_true_wind};

@@ -1,11 +1,11 @@
 //! The truth beside a capture: where hair and head really went, and the wind.
 
-use crate::npy::{NpyError, read_array};
 use crate::{ReferenceLock, TrueMotion, TrueWind};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use tousle_core::{Pose, PoseTrack, Vec3};
+use tousle_export::{NpzError, read_numbers_npz};
 use tousle_field::GridSpec;
 
 /// The truth of one capture. For judging only: nothing in it may be an input to what is judged.
@@ -41,7 +41,7 @@ pub enum TruthError {
         /// The file, as seen from the capture's folder.
         file: String,
         /// Where and what.
-        source: NpyError,
+        source: NpzError,
     },
     /// Two files disagree.
     #[error("{file}: found {found}, expected {expected}")]
@@ -109,11 +109,11 @@ impl Truth {
     pub fn style_b(&self) -> Result<TrueMotion, TruthError> {
         let groom: StyleB = read_json(&self.capture, "style_b.json")?;
         let npz = self.npz("truth/style_b.npz")?;
-        let times_secs: Vec<f64> = npz.array("t", &[0])?.numbers().collect();
-        let counts: Vec<usize> =
-            npz.array("counts", &[groom.strands.len()])?.numbers().map(|n| n as usize).collect();
+        let times_secs: Vec<f64> = npz.numbers("t", &[0])?;
+        let counts = npz.numbers("counts", &[groom.strands.len()])?;
+        let counts: Vec<usize> = counts.into_iter().map(|n| n as usize).collect();
         let n_points = counts.iter().sum();
-        let positions_m = npz.array("pos", &[times_secs.len(), n_points, 3])?.vectors();
+        let positions_m = npz.vectors("pos", &[times_secs.len(), n_points, 3])?;
         let names = groom.strands.into_iter().map(|s| s.name);
         Ok(TrueMotion { times_secs, positions_m, locks: names.zip(counts).collect(), starts_at_root: true })
     }
@@ -125,8 +125,8 @@ impl Truth {
     pub fn markers(&self) -> Result<TrueMotion, TruthError> {
         let npz = self.npz("truth/markers.npz")?;
         let strands = &self.facts.marker_strand;
-        let times_secs: Vec<f64> = npz.array("t", &[0])?.numbers().collect();
-        let positions_m = npz.array("pos_head", &[times_secs.len(), strands.len(), 3])?.vectors();
+        let times_secs: Vec<f64> = npz.numbers("t", &[0])?;
+        let positions_m = npz.vectors("pos_head", &[times_secs.len(), strands.len(), 3])?;
         let locks: Vec<(String, usize)> =
             strands.chunk_by(|a, b| a == b).map(|lock| (lock[0].clone(), lock.len())).collect();
         if !locks.is_sorted_by(|a, b| a.0 < b.0) {
@@ -146,15 +146,15 @@ impl Truth {
     pub fn wind(&self) -> Result<TrueWind, TruthError> {
         const N: usize = 30;
         let npz = self.npz("truth/field.npz")?;
-        let times_secs: Vec<f64> = npz.array("t", &[0])?.numbers().collect();
+        let times_secs: Vec<f64> = npz.numbers("t", &[0])?;
         let t = times_secs.len();
         let (lock, air) = (&self.facts.reference_lock, &self.facts.air);
         Ok(TrueWind {
             grid: GridSpec { origin_m: Vec3::repeat(-0.3), edge_m: 0.02, dims: [N; 3] },
-            velocity_quanta: npz.array("u_q", &[t, 3, N, N, N])?.numbers().map(|q| q as i8).collect(),
-            scale_mps: npz.array("scale", &[])?.singles().next().unwrap_or(f32::NAN),
-            solid: npz.array("solid", &[N, N, N])?.mask(),
-            hair: npz.array("hair", &[t, N, N, N])?.mask(),
+            velocity_quanta: npz.numbers("u_q", &[t, 3, N, N, N])?.into_iter().map(|q| q as i8).collect(),
+            scale_mps: npz.numbers("scale", &[])?[0] as f32,
+            solid: npz.mask("solid", &[N, N, N])?,
+            hair: npz.mask("hair", &[t, N, N, N])?,
             times_secs,
             reference_lock: ReferenceLock {
                 lock_width_m: lock.lock_width_m,
@@ -171,10 +171,10 @@ impl Truth {
     /// [`TruthError`] if the file is not there or not as it should be.
     pub fn head(&self) -> Result<PoseTrack, TruthError> {
         let npz = self.npz("truth/head.npz")?;
-        let times_secs: Vec<f64> = npz.array("t", &[0])?.numbers().collect();
+        let times_secs: Vec<f64> = npz.numbers("t", &[0])?;
         let t = times_secs.len();
-        let turns: Vec<f64> = npz.array("R", &[t, 3, 3])?.numbers().collect();
-        let places = npz.array("p", &[t, 3])?.vectors();
+        let turns: Vec<f64> = npz.numbers("R", &[t, 3, 3])?;
+        let places = npz.vectors("p", &[t, 3])?;
         let (Some(start_secs), Some(end_secs)) = (times_secs.first(), times_secs.last()) else {
             return Err(npz.mismatch("no poses", "at least one"));
         };
@@ -201,9 +201,21 @@ struct Npz {
 }
 
 impl Npz {
-    fn array(&self, key: &str, shape: &[usize]) -> Result<crate::npy::Array, TruthError> {
-        read_array(&self.bytes, key, shape)
+    /// An array of numbers, first axis slowest; 0 in `shape` stands for any length.
+    fn numbers(&self, key: &'static str, shape: &[usize]) -> Result<Vec<f64>, TruthError> {
+        read_numbers_npz(&self.bytes, key, shape)
             .map_err(|source| TruthError::Array { file: self.file.to_owned(), source })
+    }
+
+    /// An array whose last axis is 3, as vectors.
+    fn vectors(&self, key: &'static str, shape: &[usize]) -> Result<Vec<[f32; 3]>, TruthError> {
+        let flat = self.numbers(key, shape)?;
+        Ok(flat.chunks_exact(3).map(|p| [p[0] as f32, p[1] as f32, p[2] as f32]).collect())
+    }
+
+    /// An array as masks: everything but 0 is true.
+    fn mask(&self, key: &'static str, shape: &[usize]) -> Result<Vec<bool>, TruthError> {
+        Ok(self.numbers(key, shape)?.into_iter().map(|x| x != 0.0).collect())
     }
 
     fn mismatch(&self, found: &str, expected: &str) -> TruthError {

@@ -1,5 +1,7 @@
 //! Bad input: a clear error, exit code 1, and nothing written.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 mod common;
 
 use common::Room;

@@ -1,5 +1,7 @@
 //! The commands as a user meets them, one after the other.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 mod common;
 
 use common::Room;
