@@ -1,4 +1,4 @@
-use crate::{FieldLayer, GridSpec, VoxelIndex};
+use crate::{FieldLayer, GridSpec};
 use serde::{Deserialize, Serialize};
 use tousle_core::{Quantity, Vec3};
 
@@ -123,34 +123,48 @@ impl Field {
         if !grid.contains(point_m) {
             return self.outside;
         }
+        self.gather(&Stencil::at(grid, point_m))
+    }
+
+    /// The weighted sum of the vectors at a stencil's voxels.
+    fn gather(&self, stencil: &Stencil) -> Vec3 {
+        let n = self.flags.len();
+        let mut sum = [0.0; 3];
+        for (component, sum) in sum.iter_mut().enumerate() {
+            let plane = &self.u[component * n..(component + 1) * n];
+            for (flat, weight) in stencil.flats.iter().zip(&stencil.weights) {
+                *sum += f64::from(plane[*flat]) * weight;
+            }
+        }
+        Vec3::from(sum)
+    }
+}
+
+/// The eight voxels around a point of the box and the weight of each, which add up to 1.
+struct Stencil {
+    flats: [usize; 8],
+    weights: [f64; 8],
+}
+
+impl Stencil {
+    fn at(grid: &GridSpec, point_m: Vec3) -> Self {
         let place = (point_m - grid.origin_m) / grid.edge_m - Vec3::repeat(0.5);
-        let mut low = [0; 3];
-        let mut high = [0; 3];
-        let mut share = [0.0; 3];
+        let strides = [grid.dims[1] * grid.dims[2], grid.dims[2], 1];
+        let mut flats = [0; 8];
+        let mut weights = [1.0; 8];
         for axis in 0..3 {
             let last = grid.dims[axis] - 1;
             let at = place[axis].clamp(0.0, last as f64);
-            low[axis] = at as usize;
-            high[axis] = (low[axis] + 1).min(last);
-            share[axis] = at - low[axis] as f64;
-        }
-        let mut sum = Vec3::zeros();
-        for corner in 0..8 {
-            let mut voxel = low;
-            let mut weight = 1.0;
-            for axis in 0..3 {
-                if corner >> axis & 1 == 1 {
-                    voxel[axis] = high[axis];
-                    weight *= share[axis];
-                } else {
-                    weight *= 1.0 - share[axis];
-                }
-            }
-            if weight > 0.0 {
-                sum += self.vector(grid.flat(VoxelIndex(voxel))) * weight;
+            let low = at as usize;
+            let share = at - low as f64;
+            let [near, far] = [low, (low + 1).min(last)].map(|voxel| voxel * strides[axis]);
+            for corner in 0..8 {
+                let is_far = corner >> axis & 1 == 1;
+                flats[corner] += if is_far { far } else { near };
+                weights[corner] *= if is_far { share } else { 1.0 - share };
             }
         }
-        sum
+        Self { flats, weights }
     }
 }
 
@@ -255,10 +269,14 @@ impl FieldSlice<'_> {
     /// The vector at a point, head space, m, layers included.
     pub fn sample(&self, point_m: Vec3) -> Vec3 {
         let grid = &self.sequence.grid;
-        let mut vector = self.before.sample(grid, point_m);
-        if self.share > 0.0 {
-            vector += (self.after.sample(grid, point_m) - vector) * self.share;
-        }
+        // Both steps lie on the same grid: where the point is in it is found once.
+        let mut vector = if grid.contains(point_m) {
+            let stencil = Stencil::at(grid, point_m);
+            let before = self.before.gather(&stencil);
+            before + (self.after.gather(&stencil) - before) * self.share
+        } else {
+            self.outside()
+        };
         for layer in &self.sequence.layers {
             let presence = layer.presence(self.time_secs);
             if presence > 0.0 {
