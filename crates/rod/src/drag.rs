@@ -65,7 +65,7 @@ impl DragLaw {
     ///
     /// As ½ρd(u + 10 (ν/d)^⅔ u^⅓), which has no pole at rest.
     pub fn across(&self, width_m: f64, speed: f64) -> f64 {
-        let viscous = 10.0 * libm::cbrt((self.viscosity / width_m) * (self.viscosity / width_m) * speed);
+        let viscous = 10.0 * cube_root((self.viscosity / width_m) * (self.viscosity / width_m) * speed);
         0.5 * self.air_density * width_m * (speed + viscous)
     }
 
@@ -105,6 +105,22 @@ impl Drag {
     }
 }
 
+/// The cube root of a number that is not negative, to about 1e-13 of it; several times quicker than to the last
+/// digit, and the same on every machine.
+///
+/// A third of the exponent's bits is a guess within 4 %; Halley's iteration cubes that error, to 5e-5, to 1e-13.
+fn cube_root(x: f64) -> f64 {
+    if x <= f64::MIN_POSITIVE {
+        return 0.0;
+    }
+    let mut root = f64::from_bits(x.to_bits() / 3 + 0x2a9f_7893_0000_0000);
+    for _ in 0..2 {
+        let cube = root * root * root;
+        root *= (cube + 2.0 * x) / (2.0 * cube + x);
+    }
+    root
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -123,6 +139,14 @@ mod tests {
     fn along_by_hand() {
         let drag = LAW.at(0.004, Vec3::z(), Vec3::new(0.0, 0.0, -3.0));
         assert!((drag.force - Vec3::new(0.0, 0.0, -5.4287e-3)).norm() < 1e-6, "{}", drag.force);
+    }
+
+    #[test]
+    fn cube_roots_are_cube_roots() {
+        for x in [1e-300, 1e-20, 0.3, 1.0, 27.0, 1e20, 1e300] {
+            assert!((cube_root(x) / libm::cbrt(x) - 1.0).abs() < 1e-12, "{x}");
+        }
+        assert_eq!(cube_root(0.0), 0.0);
     }
 
     #[test]

@@ -7,15 +7,32 @@ use tousle_core::Vec3;
 /// depends on the vectors alone.
 pub fn shortest_turn(from: Vec3, to: Vec3) -> Vec3 {
     let cross = from.cross(&to);
-    let sin = cross.norm();
+    let sin2 = cross.norm_squared();
     let cos = from.dot(&to);
+    if cos > 0.0 && sin2 < 0.03 {
+        return cross * angle_over_sine(sin2);
+    }
+    let sin = sin2.sqrt();
     if sin > 1e-8 {
         cross * (libm::atan2(sin, cos) / sin)
-    } else if cos > 0.0 {
-        cross
     } else {
         any_perpendicular(from) * core::f64::consts::PI
     }
+}
+
+/// arcsin(s)/s from s² < 0.03, by its power series: the first term left out is below 1e-13.
+fn angle_over_sine(sin2: f64) -> f64 {
+    const TERMS: [f64; 8] = [
+        1.0,
+        1.0 / 6.0,
+        3.0 / 40.0,
+        15.0 / 336.0,
+        105.0 / 3456.0,
+        945.0 / 42_240.0,
+        10_395.0 / 599_040.0,
+        135_135.0 / 9_676_800.0,
+    ];
+    TERMS.iter().rev().fold(0.0, |sum, term| sum * sin2 + term)
 }
 
 /// The rotation of the shortest turn from one unit vector to another.
@@ -61,6 +78,16 @@ mod tests {
             assert!(turn.dot(&a).abs() < 1e-12);
             assert!((turned(a, turn) - b).norm() < 1e-9, "{b}");
             assert!((shortest_rotation(a, b) * a - b).norm() < 1e-8, "{b}");
+        }
+    }
+
+    /// Where the series ends and the arc tangent begins, both give the same.
+    #[test]
+    fn small_and_large_turns_meet() {
+        for angle in [1e-9_f64, 1e-3, 0.17, 0.175] {
+            let (sin, cos) = libm::sincos(angle);
+            let turn = shortest_turn(Vec3::x(), Vec3::new(cos, sin, 0.0));
+            assert!((turn.z / angle - 1.0).abs() < 1e-12, "{angle}: {}", turn.z);
         }
     }
 
