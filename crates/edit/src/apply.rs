@@ -2,7 +2,7 @@
 
 use crate::air::extra_winds;
 use crate::chain::{drag, reach_m};
-use crate::e4::{Way, extra_acceleration, handles, n_instants, of_edit, progress};
+use crate::e4::{Pull, Way, handles, n_instants, of_edit, progress};
 use crate::path::check_motion;
 use crate::resolve::{Resolved, resolve};
 use crate::{Action, Edit, EditError, EditList, EditOptions, EditOutcome, EditReport, Target, Unreachable};
@@ -48,6 +48,7 @@ pub fn apply(
     edits: &EditList,
     options: &EditOptions,
 ) -> Result<Edited, EditError> {
+    field.check()?;
     let Layers { layers, report } = make_layers(&field, scene, groom, motion, edits, options)?;
     field.layers.extend(layers);
     Ok(Edited { sequence: field, report })
@@ -55,8 +56,14 @@ pub fn apply(
 
 /// The layers that [`apply`] would add, alone: for an editor that holds the field already.
 ///
+/// Takes the field for one that passes [`FieldSequence::check`]: to look at every voxel for every drag would cost
+/// more than all the rest.
+///
 /// # Errors
-/// As [`apply`].
+/// As [`apply`], but for the field.
+///
+/// # Panics
+/// If the field does not pass [`FieldSequence::check`].
 pub fn make_layers(
     field: &FieldSequence,
     scene: &Scene,
@@ -65,7 +72,6 @@ pub fn make_layers(
     edits: &EditList,
     options: &EditOptions,
 ) -> Result<Layers, EditError> {
-    field.check()?;
     edits.check()?;
     check_motion(motion, groom)?;
     let mut taken: Vec<String> = field.layers.iter().map(|layer| layer.id.clone()).collect();
@@ -100,10 +106,15 @@ fn drag_layer(
         Target::Offset(offset) => unedited_m[dragged] + offset,
     };
     let moved = drag(unedited_m, dragged, target_m);
-    let accelerations: Vec<Vec3> = unedited_m
-        .iter()
-        .zip(&moved.points_m)
-        .map(|(from, to)| extra_acceleration(*from, *to, second_secs - first_secs, edit.ease))
+    let pull = Pull {
+        span_secs: second_secs - first_secs,
+        ease: edit.ease,
+        span: options.span,
+        gravity: scene.gravity_world.norm(),
+    };
+    let accelerations: Vec<Vec3> = lengths_along(unedited_m)
+        .zip(unedited_m.iter().zip(&moved.points_m))
+        .map(|(length_m, (from, to))| pull.acceleration(*from, *to, length_m))
         .collect();
     let (extras, along_lock) = match field.quantity {
         Quantity::ForcePerMass => (accelerations.clone(), 0.0),
@@ -180,6 +191,15 @@ fn longest_way_m(resolved: &Resolved<'_>, moved_m: &[Vec3]) -> f64 {
         before = after;
     }
     lengths.into_iter().fold(0.0, f64::max)
+}
+
+/// The length of a chain from its root to each of its points, m.
+fn lengths_along(points_m: &[Vec3]) -> impl Iterator<Item = f64> + '_ {
+    let mut length_m = 0.0;
+    std::iter::once(0.0).chain(points_m.windows(2).map(move |pair| {
+        length_m += (pair[1] - pair[0]).norm();
+        length_m
+    }))
 }
 
 /// Why a target cannot be reached at the second key, if it cannot.

@@ -1,5 +1,6 @@
 //! Where the rest of a lock goes when one of its control points is dragged.
 
+use nalgebra::UnitQuaternion;
 use tousle_core::Vec3;
 
 /// A lock's shape with one control point dragged as near to its target as the lock lets it.
@@ -22,10 +23,11 @@ const TOLERANCE_M: f64 = 1e-7;
 
 /// Drags the control point `dragged` (at least 1) of a lock to a target, all lengths kept, the root held.
 ///
-/// Between the root and the dragged point the chain follows by FABRIK (Aristidou and Lasenby 2011): from the
-/// dragged point back to the root each point is drawn along the line to its neighbor, then forth again, until
-/// both ends hold. It bends most where it is pulled, as hair does, and takes no angle as a parameter. Beyond the
-/// dragged point the lock hangs on as it was, carried along.
+/// Between the root and the dragged point the lock first turns about its root, as a pendulum would, until the
+/// dragged point is on the line to its target. What is then missing in distance it makes up by bending, by FABRIK
+/// (Aristidou and Lasenby 2011): from the dragged point back to the root each point is drawn along the line to
+/// its neighbor, then forth again, until both ends hold. Beyond the dragged point the lock hangs on as it was,
+/// carried along.
 pub(crate) fn drag(points_m: &[Vec3], dragged: usize, target_m: Vec3) -> Dragged {
     let lengths: Vec<f64> = points_m.windows(2).take(dragged).map(|p| (p[1] - p[0]).norm()).collect();
     let root = points_m[0];
@@ -41,6 +43,7 @@ pub(crate) fn drag(points_m: &[Vec3], dragged: usize, target_m: Vec3) -> Dragged
     if distance >= farthest {
         lay_straight(&mut moved[..=dragged], &lengths, aimed_m);
     } else {
+        turn_towards(&mut moved[..=dragged], aimed_m);
         follow(&mut moved[..=dragged], &lengths, aimed_m);
     }
     let carried = moved[dragged] - points_m[dragged];
@@ -55,6 +58,17 @@ pub(crate) fn reach_m(lengths: &[f64]) -> (f64, f64) {
     let farthest: f64 = lengths.iter().sum();
     let longest = lengths.iter().copied().fold(0.0, f64::max);
     (f64::max(2.0 * longest - farthest, 0.0), farthest)
+}
+
+/// Turns a chain about its first point until its last one is on the line to `end`. Where that line is straight
+/// back, any way round would do and none is taken.
+fn turn_towards(points: &mut [Vec3], end: Vec3) {
+    let root = points[0];
+    let chord = points[points.len() - 1] - root;
+    let Some(turn) = UnitQuaternion::rotation_between(&chord, &(end - root)) else { return };
+    for point in &mut *points {
+        *point = root + turn * (*point - root);
+    }
 }
 
 fn lay_straight(points: &mut [Vec3], lengths: &[f64], end: Vec3) {
@@ -145,6 +159,15 @@ mod tests {
     #[test]
     fn a_target_where_the_point_is_moves_nothing() {
         assert_eq!(drag(&hanging(), 4, hanging()[4]).points_m, hanging());
+    }
+
+    /// A quarter turn at the same distance: no bend.
+    #[test]
+    fn a_lock_turns_before_it_bends() {
+        let dragged = drag(&hanging(), 4, Vec3::new(0.2 - 1e-9, 0.0, 0.0));
+        for (k, point) in dragged.points_m.iter().enumerate() {
+            assert!((point - Vec3::x() * (0.05 * k as f64)).norm() < 1e-6, "{dragged:?}");
+        }
     }
 
     #[test]

@@ -1,18 +1,37 @@
 //! E4: the extra force that carries a control point from where it would be to where it should be.
 
-use crate::EditError;
+use crate::{EditError, PaperSpan};
 use nalgebra::{Cholesky, DMatrix};
 use tousle_core::Vec3;
 use tousle_field::{Ease, Handle};
 
-/// The extra acceleration of one control point when the layer is fully there, m/s².
-///
-/// α = 2 (target − current) / s² / gain. `current` is where the unedited motion has the point at the second key:
-/// what is added moves a free particle by exactly what is missing there. The sign is that of E3, towards the
-/// target; as printed it points away. `gain` makes up for the time that the layer takes to come and go, and is
-/// 1 for a force that is there at once (`docs/equations-edit.md`).
-pub(crate) fn extra_acceleration(current_m: Vec3, target_m: Vec3, span_secs: f64, ease: Ease) -> Vec3 {
-    2.0 * (target_m - current_m) / (span_secs * span_secs * gain(ease))
+/// What E4 must know besides the places of a control point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pull {
+    /// Time between the keys, s.
+    pub(crate) span_secs: f64,
+    /// How the layer comes and goes between them.
+    pub(crate) ease: Ease,
+    /// Which time E4 counts.
+    pub(crate) span: PaperSpan,
+    /// Strength of gravity, m/s².
+    pub(crate) gravity: f64,
+}
+
+impl Pull {
+    /// The extra acceleration of a control point `length_m` along the lock when the layer is fully there, m/s².
+    ///
+    /// α = 2 (target − current) / s². `current` is where the unedited motion has the point at the second key.
+    /// The sign is that of E3, towards the target; as printed it points away. s² is that of [`PaperSpan`], in
+    /// which the time between the keys is shortened by as much as the layer takes to come and go
+    /// (`docs/equations-edit.md`).
+    pub(crate) fn acceleration(&self, current_m: Vec3, target_m: Vec3, length_m: f64) -> Vec3 {
+        let between_keys = self.span_secs * self.span_secs * gain(self.ease);
+        // The root does not move: 0 of 0 must be none.
+        let swings = self.span == PaperSpan::FreeFall && length_m * self.gravity > 0.0;
+        let free_fall = if swings { 2.0 * length_m / self.gravity } else { f64::INFINITY };
+        2.0 * (target_m - current_m) / f64::min(between_keys, free_fall)
+    }
 }
 
 /// How far a free particle gets under a force that comes and goes by `ease`, over how far it would get under the
@@ -143,13 +162,29 @@ mod tests {
         Ease { rise: 1.0, fall: 0.0 },
     ];
 
+    fn pull(ease: Ease, span: PaperSpan) -> Pull {
+        Pull { span_secs: 0.5, ease, span, gravity: 10.0 }
+    }
+
     /// 0.1 m in 0.5 s from rest takes 0.8 m/s²; with a force that comes and goes by halves, twice that.
     #[test]
     fn a_free_particle_is_where_it_should_be() {
         let target = Vec3::new(0.1, 0.0, 0.0);
-        let at_once = extra_acceleration(Vec3::zeros(), target, 0.5, EASES[0]);
-        assert!((at_once.x - 0.8).abs() < 1e-12);
-        assert!((extra_acceleration(Vec3::zeros(), target, 0.5, EASES[1]).x - 1.6).abs() < 1e-12);
+        for (ease, expected) in [(EASES[0], 0.8), (EASES[1], 1.6)] {
+            let found = pull(ease, PaperSpan::Keys).acceleration(Vec3::zeros(), target, 0.2);
+            assert!((found.x - expected).abs() < 1e-12, "{found}");
+        }
+    }
+
+    /// A pendulum of 0.2 m that leans by 0.1 m is held there by half its weight: 5 of 10 m/s².
+    #[test]
+    fn a_pendulum_is_held_where_it_should_be() {
+        let free_fall = pull(EASES[1], PaperSpan::FreeFall);
+        let target = Vec3::new(0.1, 0.0, 0.0);
+        assert!((free_fall.acceleration(Vec3::zeros(), target, 0.2).x - 5.0).abs() < 1e-12);
+        // A lock so long that it swings slower than the keys follow one another is thrown there, not held.
+        assert!((free_fall.acceleration(Vec3::zeros(), target, 2.0).x - 1.6).abs() < 1e-12);
+        assert_eq!(free_fall.acceleration(Vec3::zeros(), Vec3::zeros(), 0.0), Vec3::zeros());
     }
 
     /// The layer's own presence, integrated twice, against the closed form of the gain.

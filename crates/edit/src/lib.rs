@@ -27,7 +27,7 @@ pub use error::EditError;
 pub use list::{
     Action, ControlPoint, DEFAULT_EASE, DEFAULT_REACH_M, Drag, EDITS_VERSION, Edit, EditList, KeyTime, Target,
 };
-pub use options::{EditMethod, EditOptions};
+pub use options::{EditMethod, EditOptions, PaperSpan};
 pub use read::{read_edits, write_edits};
 pub use report::{EditOutcome, EditReport, Unreachable};
 pub use stack::{mute, remove, rename};

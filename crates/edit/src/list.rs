@@ -94,11 +94,12 @@ pub const EDITS_VERSION: u32 = 1;
 /// pull it.
 pub const DEFAULT_REACH_M: f64 = 0.06;
 
-/// How a layer comes and goes where the edit does not say.
+/// How a layer comes and goes where the edit does not say: smoothly over half the span, and back over a quarter.
 ///
-/// A free particle gets to a given place by the smallest peak of jerk when rise and fall take half the span
-/// each: the peak goes as 1 / (r (1 − r)) for equal shares r.
-pub const DEFAULT_EASE: Ease = Ease { rise: 0.5, fall: 0.5 };
+/// If the rise grows, the pull begins more gently and has to be stronger later. If the fall grows, the lock is let
+/// go earlier and its weight has drawn it further back when the second key comes; if it shrinks, it is let go
+/// more suddenly.
+pub const DEFAULT_EASE: Ease = Ease { rise: 0.5, fall: 0.25 };
 
 fn first_version() -> u32 {
     EDITS_VERSION

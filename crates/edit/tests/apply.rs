@@ -1,7 +1,7 @@
 //! Edits on a small field, followed by a free particle instead of a lock.
 
 use tousle_core::{Body, Groom, Pose, PoseTrack, Quantity, Strand, StrandMotion, Vec3};
-use tousle_edit::{EditError, EditOptions, Edited, Unreachable, apply, read_edits};
+use tousle_edit::{EditError, EditOptions, Edited, PaperSpan, Unreachable, apply, read_edits};
 use tousle_field::{Field, FieldSequence, GridSpec, Scene};
 use tousle_rod::DragLaw;
 
@@ -51,7 +51,14 @@ fn scene() -> Scene {
 
 fn edit(field: FieldSequence, toml: &str) -> Result<Edited, EditError> {
     let edits = read_edits(toml.as_bytes())?;
-    apply(field, &scene(), &groom(), &still_motion(), &edits, &EditOptions::default())
+    apply(field, &scene(), &groom(), &still_motion(), &edits, &between_keys())
+}
+
+/// E4 to the letter, which free particles can tell right from wrong.
+fn between_keys() -> EditOptions {
+    let mut options = EditOptions::default();
+    options.span = PaperSpan::Keys;
+    options
 }
 
 const DRAG_TIP: &str = "\
@@ -62,13 +69,14 @@ control_point = \"tip\"
 first_secs = 1.0
 second_secs = 1.5
 target_m = [0.08, 0.0, -0.17]
+ease = { rise = 0.5, fall = 0.5 }
 ";
 
 /// E4 is made for a particle that nothing holds: there it must be exact, up to what lies between handles.
 #[test]
 fn a_free_particle_at_the_tip_gets_to_the_target() {
     for ease in ["{ rise = 0.0, fall = 0.0 }", "{ rise = 0.5, fall = 0.5 }", "{ rise = 0.3, fall = 0.2 }"] {
-        let toml = format!("{DRAG_TIP}ease = {ease}\n");
+        let toml = DRAG_TIP.replace("{ rise = 0.5, fall = 0.5 }", ease);
         let field = edit(uniform(Quantity::ForcePerMass, Vec3::zeros()), &toml).unwrap().sequence;
         let (mut place, mut velocity) = (Vec3::new(0.0, 0.0, -0.2), Vec3::zeros());
         let (dt, first, n) = (1e-4, 1.0, 5000);
@@ -92,6 +100,17 @@ fn the_report_says_what_was_asked_and_what_it_takes() {
     assert_eq!(outcome.extra, outcome.acceleration);
     assert_eq!(outcome.unreachable, None);
     assert_eq!(edited.sequence.layers.len(), 1);
+}
+
+/// As a pendulum of 0.2 m, by default: 9.81 / 0.2 of (80, 0, 30) mm.
+#[test]
+fn by_default_a_lock_is_held_where_it_should_be() {
+    let edits = read_edits(DRAG_TIP.as_bytes()).unwrap();
+    let field = uniform(Quantity::ForcePerMass, Vec3::zeros());
+    let options = EditOptions::default();
+    let edited = apply(field, &scene(), &groom(), &still_motion(), &edits, &options).unwrap();
+    let acceleration = edited.report.edits[0].acceleration;
+    assert!((acceleration - Vec3::new(3.924, 0.0, 1.4715)).norm() < 1e-5, "{acceleration}");
 }
 
 #[test]
