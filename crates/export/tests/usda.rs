@@ -90,7 +90,7 @@ fn curves_carry_counts_widths_and_a_sample_a_frame() {
             "def BasisCurves \"Curves\"",
             "uniform token type = \"linear\"",
             "int[] curveVertexCounts = [2, 3]",
-            "float[] widths = [0.0078125, 0.0078125] (interpolation = \"uniform\")",
+            "float[] widths = [0.0078125, 0.0078125, 0.0078125, 0.0078125, 0.0078125] (interpolation = \"vertex\")",
             "float3[] extent.timeSamples = {",
             "30: [(-0.12890625, -0.00390625, -0.12890625), (-0.12109375, 0.00390625, 0.00390625)],",
             "point3f[] points.timeSamples = {",

@@ -19,7 +19,10 @@ pub(super) fn write_curves<W: Write>(text: &mut Text<W>, hair: &Hair<'_>, kind: 
     }
     let counts = &hair.motion.counts;
     text.array("int[] curveVertexCounts", counts, |text, n| text.usize(*n), "")?;
-    text.array("float[] widths", &hair.widths_m, |text, w| text.f32(*w), " (interpolation = \"uniform\")")?;
+    // One width a point, though all of a strand are the same: Blender 5.0 takes widths by the curve for widths of
+    // the first points and makes balloons of them.
+    let widths = counts.iter().zip(&hair.widths_m).flat_map(|(n, width)| std::iter::repeat_n(*width, *n));
+    text.array("float[] widths", widths, Text::f32, " (interpolation = \"vertex\")")?;
     text.array("int[] primvars:id", 0..counts.len(), Text::usize, " (interpolation = \"uniform\")")?;
     write_color(text)?;
     let widest = hair.widths_m.iter().copied().fold(0.0, f32::max);
