@@ -24,7 +24,7 @@ pub(crate) fn manifest(manifest: &Manifest, place: Place<'_>, findings: &mut Fin
     };
     let Manifest { field, pose, scene, samples, .. } = manifest;
     expect(manifest.format == FORMAT, "format", &manifest.format, FORMAT);
-    expect(manifest.version == VERSION, "version", &manifest.version, "1");
+    expect(manifest.version <= VERSION, "version", &manifest.version, "at most 1");
     let grid = &field.grid;
     let n = grid.n_voxels();
     expect(

@@ -2,12 +2,13 @@
 
 use crate::array::{self, Shape};
 use crate::finding::Place;
-use crate::format::{EDITS_SCHEMA, FORMAT, MANIFEST_SCHEMA, VERSION};
+use crate::format::{EDITS_SCHEMA, FORMAT, MANIFEST_SCHEMA, MANIFEST_SCHEMA_V0, VERSION};
 use crate::json_schema;
 use crate::manifest::{FieldInfo, Manifest};
 use crate::wire::edits::Edits;
 use crate::wire::proto::{FieldStep, PoseStep, SampleStep};
 use crate::wire::tags::{self, BadField, Fields};
+use crate::wire::v0::{self, FieldStepV0, ManifestV0, PoseStepV0};
 use crate::wire::{proto, scene};
 use crate::{Code, Finding, check};
 use serde::de::DeserializeOwned;
@@ -23,13 +24,19 @@ pub(crate) struct Stamp {
     pub time_ns: u64,
 }
 
-/// Decodes a manifest. One of a newer version is refused by that name before its members are looked at.
-pub(crate) fn manifest(payload: &[u8], place: Place<'_>) -> Result<Manifest, Vec<Finding>> {
+/// Decodes a manifest; `announced` is the version of the schema of its channel. One of a newer version is
+/// refused by that name before its members are looked at.
+pub(crate) fn manifest(payload: &[u8], announced: u32, place: Place<'_>) -> Result<Manifest, Vec<Finding>> {
     static SCHEMA: LazyLock<Value> = LazyLock::new(|| json_of(MANIFEST_SCHEMA));
+    static SCHEMA_V0: LazyLock<Value> = LazyLock::new(|| json_of(MANIFEST_SCHEMA_V0));
     let value: Value = from_json(payload, place).map_err(|f| vec![*f])?;
     if value["format"] == FORMAT {
         if let Some(version) = value["version"].as_u64().filter(|v| *v > u64::from(VERSION)) {
             let expected = format!("at most {VERSION}, the newest this program reads");
+            return Err(vec![*place.finding(Code::Version, "version", version, expected)]);
+        }
+        if let Some(version) = value["version"].as_u64().filter(|v| *v != u64::from(announced)) {
+            let expected = format!("{announced}, the version of its schema");
             return Err(vec![*place.finding(Code::Version, "version", version, expected)]);
         }
         let requires = value["requires"].as_array().map_or(&[][..], Vec::as_slice);
@@ -37,6 +44,9 @@ pub(crate) fn manifest(payload: &[u8], place: Place<'_>) -> Result<Manifest, Vec
             let expected = "features that version 1 has: none";
             return Err(vec![*place.finding(Code::Requires, "requires[0]", feature, expected)]);
         }
+    }
+    if announced == 0 {
+        return by_schema::<ManifestV0>(payload, &value, &SCHEMA_V0, place).map(Into::into);
     }
     by_schema(payload, &value, &SCHEMA, place)
 }
@@ -70,8 +80,19 @@ fn json_of(schema: &[u8]) -> Value {
 }
 
 /// Decodes a pose.
-pub(crate) fn pose(payload: &[u8], place: Place<'_>) -> Result<(Stamp, Pose), Box<Finding>> {
-    let message: PoseStep = from_protobuf(payload, &tags::POSE_STEP, place)?;
+pub(crate) fn pose(
+    payload: &[u8],
+    manifest: &Manifest,
+    place: Place<'_>,
+) -> Result<(Stamp, Pose), Box<Finding>> {
+    let message: PoseStep = match manifest.version {
+        0 => {
+            let old: PoseStepV0 = from_protobuf(payload, &v0::POSE_STEP, place)?;
+            let n = old.pose.len();
+            old.into_v1().ok_or_else(|| place.finding(Code::Size, "pose", n, "7 numbers"))?
+        }
+        _ => from_protobuf(payload, &tags::POSE_STEP, place)?,
+    };
     let proto::Vector3 { x, y, z } = message.translation_m.unwrap_or_default();
     let translation = [x, y, z];
     let proto::Quaternion { x, y, z, w } = message.rotation.unwrap_or_default();
@@ -118,19 +139,30 @@ pub(crate) fn samples(payload: &[u8], place: Place<'_>) -> Result<(Stamp, Vec<Wi
 }
 
 /// Decodes a step of the field and leaves its arrays packed.
-pub(crate) fn packed_step(payload: &[u8], place: Place<'_>) -> Result<FieldStep, Box<Finding>> {
-    from_protobuf(payload, &tags::FIELD_STEP, place)
+pub(crate) fn packed_step(
+    payload: &[u8],
+    manifest: &Manifest,
+    place: Place<'_>,
+) -> Result<FieldStep, Box<Finding>> {
+    match manifest.version {
+        0 => {
+            let old: FieldStepV0 = from_protobuf(payload, &v0::FIELD_STEP, place)?;
+            let n = old.outside.len();
+            old.into_v1().ok_or_else(|| place.finding(Code::Size, "outside", n, "3 numbers"))
+        }
+        _ => from_protobuf(payload, &tags::FIELD_STEP, place),
+    }
 }
 
 /// Decodes a step of the field.
 pub(crate) fn step(
     payload: &[u8],
-    info: &FieldInfo,
+    manifest: &Manifest,
     place: Place<'_>,
 ) -> Result<(Stamp, Field), Vec<Finding>> {
-    let message = packed_step(payload, place).map_err(|f| vec![*f])?;
+    let message = packed_step(payload, manifest, place).map_err(|f| vec![*f])?;
     let stamp = Stamp { index: message.index, time_ns: message.time_ns };
-    Ok((stamp, unpack_step(message, info, place)?))
+    Ok((stamp, unpack_step(message, &manifest.field, place)?))
 }
 
 /// Unpacks the arrays of a step.

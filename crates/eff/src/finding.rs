@@ -145,7 +145,7 @@ codes! {
     Order = "order", Error;
     /// A message of the wrong kind comes first, twice, or not at all.
     Missing = "missing", Error;
-    /// The manifest's version is newer than this reader.
+    /// The manifest's version is newer than this reader, or not its schema's.
     Version = "version", Error;
     /// The manifest asks for a feature that this reader does not know.
     Requires = "requires", Error;

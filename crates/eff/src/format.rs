@@ -23,6 +23,7 @@ pub(crate) mod topic {
 /// Where a message's numbers are described, and how it is packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Stream {
+    pub version: u32,
     pub topic: &'static str,
     pub message_encoding: &'static str,
     pub schema_name: &'static str,
@@ -32,33 +33,48 @@ pub(crate) struct Stream {
 
 /// The descriptors of the binary messages, a `FileDescriptorSet`.
 pub(crate) const DESCRIPTORS: &[u8] = include_bytes!("../../../schemas/eff.v1.binpb");
+/// The descriptors of version 0.
+pub(crate) const DESCRIPTORS_V0: &[u8] = include_bytes!("../../../schemas/eff.v0.binpb");
+/// The JSON Schema of a manifest of version 0.
+pub(crate) const MANIFEST_SCHEMA_V0: &[u8] = include_bytes!("../../../schemas/eff.v0.manifest.json");
 /// The JSON Schema of a manifest.
 pub(crate) const MANIFEST_SCHEMA: &[u8] = include_bytes!("../../../schemas/eff.v1.manifest.json");
 /// The JSON Schema of edits.
 pub(crate) const EDITS_SCHEMA: &[u8] = include_bytes!("../../../schemas/eff.v1.edits.json");
 
-const fn json(topic: &'static str, schema_name: &'static str, schema: &'static [u8]) -> Stream {
-    Stream { topic, message_encoding: "json", schema_name, schema_encoding: "jsonschema", schema }
+const fn json(version: u32, topic: &'static str, schema_name: &'static str, schema: &'static [u8]) -> Stream {
+    Stream { version, topic, message_encoding: "json", schema_name, schema_encoding: "jsonschema", schema }
 }
 
-const fn protobuf(topic: &'static str, schema_name: &'static str) -> Stream {
-    Stream {
-        topic,
-        message_encoding: "protobuf",
-        schema_name,
-        schema_encoding: "protobuf",
-        schema: DESCRIPTORS,
-    }
+const fn protobuf(
+    version: u32,
+    topic: &'static str,
+    schema_name: &'static str,
+    schema: &'static [u8],
+) -> Stream {
+    Stream { version, topic, message_encoding: "protobuf", schema_name, schema_encoding: "protobuf", schema }
 }
 
 /// The channels of version 1.
-pub(crate) const STREAMS: [Stream; 5] = [
-    json(topic::MANIFEST, "tousle.eff.v1.Manifest", MANIFEST_SCHEMA),
-    json(topic::EDITS, "tousle.eff.v1.Edits", EDITS_SCHEMA),
-    protobuf(topic::POSE, "tousle.eff.v1.PoseStep"),
-    protobuf(topic::SAMPLES, "tousle.eff.v1.SampleStep"),
-    protobuf(topic::FIELD, "tousle.eff.v1.FieldStep"),
+pub(crate) static STREAMS: [Stream; 5] = [
+    json(1, topic::MANIFEST, "tousle.eff.v1.Manifest", MANIFEST_SCHEMA),
+    json(1, topic::EDITS, "tousle.eff.v1.Edits", EDITS_SCHEMA),
+    protobuf(1, topic::POSE, "tousle.eff.v1.PoseStep", DESCRIPTORS),
+    protobuf(1, topic::SAMPLES, "tousle.eff.v1.SampleStep", DESCRIPTORS),
+    protobuf(1, topic::FIELD, "tousle.eff.v1.FieldStep", DESCRIPTORS),
 ];
+
+/// The channels of version 0.
+static STREAMS_V0: [Stream; 3] = [
+    json(0, topic::MANIFEST, "tousle.eff.v0.Manifest", MANIFEST_SCHEMA_V0),
+    protobuf(0, topic::POSE, "tousle.eff.v0.PoseStep", DESCRIPTORS_V0),
+    protobuf(0, topic::FIELD, "tousle.eff.v0.FieldStep", DESCRIPTORS_V0),
+];
+
+/// The channels of all versions, the newest first.
+pub(crate) fn streams() -> impl Iterator<Item = &'static Stream> {
+    STREAMS.iter().chain(&STREAMS_V0)
+}
 
 /// The latest time a file can speak of, s: eleven days. Nanoseconds of it are exact in a double.
 pub const MAX_SECS: f64 = 1e6;

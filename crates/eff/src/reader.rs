@@ -38,7 +38,7 @@ impl<R: Read + Seek> Reader<R> {
         let mut manifest = None;
         each_message(&mut input, &index, topic::MANIFEST, None, &mut |message, place| {
             let mut findings = Findings::first_error();
-            let found = decode::manifest(message.data, place).map_err(first)?;
+            let found = decode::manifest(message.data, index.version, place).map_err(first)?;
             check::manifest(&found, place, &mut findings);
             manifest.get_or_insert(found);
             fail(findings)
@@ -85,14 +85,15 @@ impl<R: Read + Seek> Reader<R> {
         if k >= self.n_steps() {
             return Ok(None);
         }
-        let info = &self.manifest.field;
+        let manifest = &self.manifest;
+        let info = &manifest.field;
         let secs = info.step_secs(k);
         // Another program may round a half nanosecond the other way.
         let time = time_ns(secs).unwrap_or(u64::MAX);
         let near = (time.saturating_sub(1), time.saturating_add(1));
         let mut step = None;
         each_message(&mut self.input, &self.index, topic::FIELD, Some(near), &mut |message, place| {
-            let (stamp, field) = decode::step(message.data, info, place).map_err(first)?;
+            let (stamp, field) = decode::step(message.data, manifest, place).map_err(first)?;
             let mut findings = Findings::first_error();
             check::stamp(stamp, k, secs, message.log_time, place, &mut findings);
             step = Some(field);
@@ -113,10 +114,11 @@ impl<R: Read + Seek> Reader<R> {
     /// [`EffError::Unsound`] if one is not sound, [`EffError::Io`] if the stream fails.
     pub fn poses(&mut self) -> Result<Vec<Pose>, EffError> {
         let mut poses = Vec::new();
-        let info = self.manifest.pose;
+        let manifest = &self.manifest;
+        let info = manifest.pose;
         each_message(&mut self.input, &self.index, topic::POSE, None, &mut |message, place| {
             let k = poses.len() as u64;
-            let (stamp, pose) = decode::pose(message.data, place)?;
+            let (stamp, pose) = decode::pose(message.data, manifest, place)?;
             let mut findings = Findings::first_error();
             check::stamp(stamp, k, info.pose_secs(k), message.log_time, place, &mut findings);
             poses.push(pose);

@@ -7,7 +7,7 @@ use crate::manifest::{Manifest, SamplesInfo};
 use crate::scan::chunk::{InChunk, records_in};
 use crate::wire::edits::Edits;
 use crate::wire::proto::FieldStep;
-use crate::{Code, EffError, WriteReport, Writer, decode, record};
+use crate::{Code, EffError, VERSION, WriteReport, Writer, decode, record};
 use inventory::{Inventory, Place as Where};
 use serde::Serialize;
 use std::io::{Read, Seek, Write};
@@ -86,9 +86,9 @@ pub fn recover<R: Read + Seek, W: Write>(
     for k in first..=last {
         progress.at(k - first, n_steps);
         if let Some(place) = found.steps.get(&k) {
-            writer.packed_step(packed_step(&mut input, *place)?)?;
+            writer.packed_step(packed_step(&mut input, &old, *place)?)?;
         } else {
-            let step = bridge::step(&found, k, &old, |place| packed_step(&mut input, place))?;
+            let step = bridge::step(&found, k, &old, |place| packed_step(&mut input, &old, place))?;
             writer.step_as(&step, Encoding::F32)?;
             bridged.push(k);
         }
@@ -108,6 +108,7 @@ pub fn recover<R: Read + Seek, W: Write>(
 /// The manifest of what is left.
 fn new_manifest(old: &Manifest, found: &Inventory, first: u64, last: u64, n_poses: u64) -> Manifest {
     let mut manifest = old.clone();
+    manifest.version = VERSION;
     manifest.field.start_secs = old.field.step_secs(first);
     manifest.field.n_steps = Some(last - first + 1);
     manifest.pose.n_poses = n_poses;
@@ -138,8 +139,8 @@ fn message<R: Read + Seek, T>(
     }
 }
 
-fn packed_step<R: Read + Seek>(input: &mut R, at: Where) -> Result<FieldStep, EffError> {
-    message(input, at, |payload, place| Ok(decode::packed_step(payload, place)?))
+fn packed_step<R: Read + Seek>(input: &mut R, old: &Manifest, at: Where) -> Result<FieldStep, EffError> {
+    message(input, at, |payload, place| Ok(decode::packed_step(payload, old, place)?))
 }
 
 fn samples<R: Read + Seek>(input: &mut R, at: Where) -> Result<Vec<tousle_core::WindSample>, EffError> {

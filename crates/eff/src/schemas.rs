@@ -2,7 +2,7 @@
 //!
 //! `TOUSLE_UPDATE=1 cargo test -p tousle-eff schemas` writes them anew.
 
-use crate::wire::{edits::Edits, manifest::Manifest};
+use crate::wire::{edits::Edits, manifest::Manifest, v0::ManifestV0};
 use prost::Message as _;
 use serde::Serialize as _;
 use std::path::PathBuf;
@@ -35,14 +35,17 @@ fn json_schema<T: schemars::JsonSchema>(id: &str) -> Vec<u8> {
 #[test]
 fn json_schemas_are_current() {
     check("eff.v1.manifest.json", &json_schema::<Manifest>("eff.v1.manifest"));
+    check("eff.v0.manifest.json", &json_schema::<ManifestV0>("eff.v0.manifest"));
     check("eff.v1.edits.json", &json_schema::<Edits>("eff.v1.edits"));
 }
 
 #[test]
 fn descriptors_are_current() {
-    let mut descriptors = protox::compile(["eff.v1.proto"], [schemas()]).unwrap();
-    for file in &mut descriptors.file {
-        file.source_code_info = None;
+    for version in ["v0", "v1"] {
+        let mut descriptors = protox::compile([format!("eff.{version}.proto")], [schemas()]).unwrap();
+        for file in &mut descriptors.file {
+            file.source_code_info = None;
+        }
+        check(&format!("eff.{version}.binpb"), &descriptors.encode_to_vec());
     }
-    check("eff.v1.binpb", &descriptors.encode_to_vec());
 }

@@ -7,3 +7,4 @@ pub(crate) mod manifest;
 pub(crate) mod proto;
 pub(crate) mod scene;
 pub(crate) mod tags;
+pub(crate) mod v0;

@@ -13,11 +13,13 @@ mod good;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fs;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
-use tousle_eff::{Eff, ReadOptions, Severity, read, validate};
+use tousle_core::NoProgress;
+use tousle_eff::{Eff, ReadOptions, Reader, Severity, VERSION, inspect, migrate, read, recover, validate};
 
 fn folder(kind: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/eff/v1").join(kind)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/eff").join(kind)
 }
 
 /// Adds a file and its twin, if they are not there and it is wanted.
@@ -48,43 +50,93 @@ fn codes(bytes: &[u8]) -> Vec<String> {
     validate(bytes).unwrap().findings.into_iter().map(|f| f.code.to_string()).collect()
 }
 
+/// A case's name, what makes its file, and its twin.
+type Kept<'a> = (&'static str, &'a dyn Fn() -> Vec<u8>, Value);
+
+/// Names of a folder's cases, after those that are missing were added.
+fn names(kind: &str, cases: &[Kept<'_>]) -> BTreeSet<String> {
+    for (name, make, twin) in cases {
+        keep(kind, name, make, || twin.clone());
+    }
+    let names: BTreeSet<_> = cases.iter().map(|(name, ..)| (*name).to_owned()).collect();
+    assert_eq!(names, files(kind), "{kind}");
+    names
+}
+
 #[test]
 fn every_bad_file_gives_the_finding_it_must_give() {
-    let cases = bad::cases();
-    for case in &cases {
-        let twin = || json!({ "what": case.what, "findings": case.findings });
-        keep("bad", case.name, || (case.make)(), twin);
-    }
-    let names: BTreeSet<_> = cases.iter().map(|case| case.name.to_owned()).collect();
-    assert_eq!(names, files("bad"));
-    assert!(names.len() >= 60, "{}", names.len());
+    let mut n = 0;
     let mut wrong = Vec::new();
-    for name in names {
-        let (bytes, twin) = load("bad", &name);
-        let validation = validate(&bytes[..]).unwrap();
-        let found: Vec<_> = validation.findings.iter().map(|f| json!(f.code.name())).collect();
-        if Value::Array(found.clone()) != twin["findings"] {
-            wrong.push(format!("{name}: {found:?}, not {}\n{:#?}", twin["findings"], validation.findings));
+    for (kind, cases) in [("v1/bad", bad::cases()), ("v0/bad", bad::old::cases())] {
+        let cases: Vec<_> = cases
+            .iter()
+            .map(|c| (c.name, &*c.make as &dyn Fn() -> _, json!({ "what": c.what, "findings": c.findings })))
+            .collect();
+        for name in names(kind, &cases) {
+            n += 1;
+            let (bytes, twin) = load(kind, &name);
+            let validation = validate(&bytes[..]).unwrap();
+            if json!(codes(&bytes)) != twin["findings"] {
+                wrong.push(format!("{name}: not {}\n{:#?}", twin["findings"], validation.findings));
+            }
+            let has_error = validation.findings.iter().any(|f| f.severity == Severity::Error);
+            assert_eq!(read(&bytes[..], &ReadOptions::default()).is_err(), has_error, "{name}");
         }
-        let has_error = validation.findings.iter().any(|f| f.severity == Severity::Error);
-        assert_eq!(read(&bytes[..], &ReadOptions::default()).is_err(), has_error, "{name}");
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(n >= 60, "{n}");
 }
 
 #[test]
 fn every_good_file_is_sound_and_holds_what_its_twin_says() {
-    let cases = good::cases();
-    for case in &cases {
-        keep("good", case.name, || (case.make)(), || good::twin(case));
+    for (kind, cases) in [("v1/good", good::cases()), ("v0/good", good::old::cases())] {
+        let cases: Vec<_> =
+            cases.iter().map(|c| (c.name, &*c.make as &dyn Fn() -> _, good::twin(c))).collect();
+        for name in names(kind, &cases) {
+            let (bytes, twin) = load(kind, &name);
+            assert_eq!(json!(codes(&bytes)), twin["findings"], "{name}");
+            let eff = read(&bytes[..], &ReadOptions::default()).unwrap();
+            assert_holds(&name, &eff, &twin);
+        }
     }
-    let names: BTreeSet<_> = cases.iter().map(|case| case.name.to_owned()).collect();
-    assert_eq!(names, files("good"));
-    for name in names {
-        let (bytes, twin) = load("good", &name);
-        assert_eq!(json!(codes(&bytes)), twin["findings"], "{name}");
+}
+
+/// A file of any version becomes one of the newest, with the same content; the newest becomes itself.
+#[test]
+fn every_good_file_migrates() {
+    for (kind, from) in [("v1/good", 1), ("v0/good", 0)] {
+        for name in files(kind) {
+            let (bytes, _) = load(kind, &name);
+            let mut out = Vec::new();
+            let migration = migrate(Cursor::new(&bytes), &mut out, &NoProgress).unwrap();
+            assert_eq!((migration.from, migration.to), (from, VERSION), "{name}");
+            let validation = validate(&out[..]).unwrap();
+            assert!(validation.findings.is_empty(), "{name} {:?}", validation.findings);
+            let old = read(&bytes[..], &ReadOptions::default()).unwrap();
+            let new = read(&out[..], &ReadOptions::default()).unwrap();
+            assert_eq!(new, old, "{name}");
+            let mut again = Vec::new();
+            migrate(Cursor::new(&out), &mut again, &NoProgress).unwrap();
+            assert_eq!(again, out, "{name}");
+        }
+    }
+}
+
+/// Steps of old files are found one by one, and cut ones are recovered, as those of new ones are.
+#[test]
+fn old_files_are_read_in_every_way() {
+    for name in files("v0/good") {
+        let (bytes, _) = load("v0/good", &name);
         let eff = read(&bytes[..], &ReadOptions::default()).unwrap();
-        assert_holds(&name, &eff, &twin);
+        let mut reader = Reader::open(Cursor::new(&bytes)).unwrap();
+        assert_eq!(reader.step(1).unwrap().unwrap(), eff.field.steps[1]);
+        assert_eq!(reader.poses().unwrap(), eff.scene.poses.poses);
+        assert_eq!(inspect(&bytes[..]).unwrap().manifest.version, 0);
+        let mut out = Vec::new();
+        let cut = &bytes[..bytes.len() - 100];
+        let recovery = recover(Cursor::new(cut), &mut out, &NoProgress).unwrap();
+        assert_eq!(recovery.n_steps, eff.field.steps.len() as u64);
+        assert_eq!(read(&out[..], &ReadOptions::default()).unwrap(), eff);
     }
 }
 
@@ -113,5 +165,25 @@ fn assert_near(at: &str, found: &Value, expected: &Value, tolerance: f64) {
             b.iter().for_each(|(key, b)| assert_near(&format!("{at}.{key}"), &a[key], b, tolerance));
         }
         _ => assert_eq!(found, expected, "{at}"),
+    }
+}
+
+/// The reader in `docs/examples`, written from the specification, finds in every good file what ours finds.
+///
+/// It needs a Python with mcap, protobuf, numpy and zstandard: `TOUSLE_PYTHON=path/to/python`.
+#[test]
+fn an_independent_reader_agrees() {
+    let Some(python) = std::env::var_os("TOUSLE_PYTHON") else {
+        println!("skipped: TOUSLE_PYTHON is not set");
+        return;
+    };
+    let reader = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/examples/read_eff.py");
+    for name in files("v1/good") {
+        let path = folder("v1/good").join(format!("{name}.eff.mcap"));
+        let out = std::process::Command::new(&python).arg(&reader).arg(path).output().unwrap();
+        assert!(out.status.success(), "{name}: {}", String::from_utf8_lossy(&out.stderr));
+        let (bytes, _) = load("v1/good", &name);
+        let expected = good::content(&read(&bytes[..], &ReadOptions::default()).unwrap());
+        assert_near(&name, &serde_json::from_slice(&out.stdout).unwrap(), &expected, 1e-9);
     }
 }

@@ -1,6 +1,7 @@
 use super::fail;
 use crate::Code;
 use crate::EffError;
+use crate::finding::Place;
 use crate::format::PROFILE;
 use crate::manifest::Manifest;
 use crate::record::{self, FOOTER, MAGIC, Record};
@@ -9,12 +10,14 @@ use crate::scan::facts::ChunkFacts;
 use crate::scan::source::{Next, Source};
 use crate::scan::summary::Summary;
 use crate::scan::{Findings, Listener, at, broken, check_crc, magic};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Seek, SeekFrom};
 
 /// Where everything is in a file, as its summary says.
 #[derive(Debug)]
 pub(super) struct Index {
+    /// The version of all channels.
+    pub version: u32,
     channels: BTreeMap<&'static str, u16>,
     counts: BTreeMap<u16, u64>,
     chunks: Vec<ChunkFacts>,
@@ -51,7 +54,7 @@ impl Index {
         check_header(input)?;
         let summary_start = read_footer(input, length)?;
         let (summary, length) = (read_summary(input, summary_start, length)?, length);
-        let channels = check_channels(&summary)?;
+        let (version, channels) = check_channels(&summary)?;
         let Some(statistics) = summary.statistics else {
             return Err(at(summary_start).finding(Code::Summary, "statistics", "none", "one record").into());
         };
@@ -60,7 +63,7 @@ impl Index {
             let expected = format!("chunks within the file's {length} bytes");
             return Err(at(summary_start).finding(Code::Summary, "chunk index", found, expected).into());
         }
-        Ok(Self { channels, counts: statistics.channel_message_counts, chunks: summary.chunks })
+        Ok(Self { version, channels, counts: statistics.channel_message_counts, chunks: summary.chunks })
     }
 }
 
@@ -137,8 +140,8 @@ fn read_summary<R: Read + Seek>(input: &mut R, start: u64, length: u64) -> Resul
     }
 }
 
-/// The channels of the format, each as version 1 has it.
-fn check_channels(summary: &Summary) -> Result<BTreeMap<&'static str, u16>, EffError> {
+/// The channels of the format, each as its version has it, and that version.
+fn check_channels(summary: &Summary) -> Result<(u32, BTreeMap<&'static str, u16>), EffError> {
     struct Deaf;
     impl Listener for Deaf {
         fn manifest(&mut self, _manifest: &Manifest) -> Result<(), EffError> {
@@ -158,6 +161,12 @@ fn check_channels(summary: &Summary) -> Result<BTreeMap<&'static str, u16>, EffE
         }
     }
     fail(findings)?;
-    let topics = crate::format::STREAMS.iter().map(|s| s.topic);
-    Ok(topics.filter_map(|topic| Some((topic, data.channel_of(topic)?))).collect())
+    let versions: BTreeSet<u32> = data.streams().map(|(_, stream)| stream.version).collect();
+    let (Some(version), true) = (versions.first(), versions.len() <= 1) else {
+        let found = format!("channels of versions {versions:?}");
+        return Err(Place::default()
+            .finding(Code::Channel, "schema_id", found, "channels of one version")
+            .into());
+    };
+    Ok((*version, data.streams().map(|(id, stream)| (stream.topic, id)).collect()))
 }

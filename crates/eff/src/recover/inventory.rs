@@ -1,6 +1,6 @@
 use super::Loss;
 use crate::finding::Place as At;
-use crate::format::{STREAMS, topic};
+use crate::format::{Stream, topic};
 use crate::manifest::Manifest;
 use crate::record::{self, Message, PREFIX, Record, op};
 use crate::scan::chunk::{InChunk, records_in, unpack};
@@ -111,13 +111,11 @@ impl Inventory {
                 Ok(Record::Channel(channel)) => data.channel(&channel, body, at(offset), &mut findings),
                 Ok(Record::Message(message)) => {
                     let place = Place { chunk: offset, within };
-                    let topic = STREAMS.iter().map(|s| s.topic);
-                    let topic = topic.into_iter().find(|t| data.channel_of(t) == Some(message.channel_id));
-                    if let Some(topic) = topic
-                        && let Err(finding) = self.message(topic, message, place)
+                    if let Some(stream) = data.stream(message.channel_id)
+                        && let Err(finding) = self.message(stream, message, place)
                     {
-                        self.losses
-                            .push(Loss { what: format!("a message of {topic}"), why: finding.to_string() });
+                        let what = format!("a message of {}", stream.topic);
+                        self.losses.push(Loss { what, why: finding.to_string() });
                     }
                 }
                 _ => {}
@@ -127,10 +125,10 @@ impl Inventory {
     }
 
     /// Keeps a message if it is sound.
-    fn message(&mut self, topic: &str, message: Message<'_>, place: Place) -> Result<(), Box<Finding>> {
+    fn message(&mut self, stream: &Stream, message: Message<'_>, place: Place) -> Result<(), Box<Finding>> {
         let at = At { channel: None, time_ns: Some(message.log_time), offset: Some(place.chunk) };
-        if topic == topic::MANIFEST {
-            let manifest = decode::manifest(message.data, at).map_err(first)?;
+        if stream.topic == topic::MANIFEST {
+            let manifest = decode::manifest(message.data, stream.version, at).map_err(first)?;
             sound(|findings| check::manifest(&manifest, at, findings))?;
             self.manifest.get_or_insert(manifest);
             return Ok(());
@@ -138,14 +136,17 @@ impl Inventory {
         let Some(manifest) = &self.manifest else {
             return Err(at.finding(Code::Missing, "message", "no manifest before it", "a sound manifest"));
         };
-        match topic {
+        if stream.version != manifest.version {
+            return Err(at.finding(Code::Channel, "schema_id", stream.version, manifest.version));
+        }
+        match stream.topic {
             topic::EDITS => {
                 let edits = decode::edits(message.data, at).map_err(first)?;
                 sound(|findings| check::edits(&edits, at, findings))?;
                 self.edits.get_or_insert(edits);
             }
             topic::POSE => {
-                let (stamp, pose) = decode::pose(message.data, at)?;
+                let (stamp, pose) = decode::pose(message.data, manifest, at)?;
                 let secs = manifest.pose.pose_secs(stamp.index);
                 sound(|f| check::stamp(stamp, stamp.index, secs, message.log_time, at, f))?;
                 self.poses.insert(stamp.index, pose);
@@ -157,7 +158,7 @@ impl Inventory {
                 self.samples.insert(stamp.index, place);
             }
             _ => {
-                let (stamp, _) = decode::step(message.data, &manifest.field, at).map_err(first)?;
+                let (stamp, _) = decode::step(message.data, manifest, at).map_err(first)?;
                 let secs = manifest.field.step_secs(stamp.index);
                 sound(|f| check::stamp(stamp, stamp.index, secs, message.log_time, at, f))?;
                 self.steps.insert(stamp.index, place);

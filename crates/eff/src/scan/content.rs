@@ -1,6 +1,6 @@
 use super::{Findings, Listener};
 use crate::finding::Place;
-use crate::format::topic;
+use crate::format::{Stream, topic};
 use crate::manifest::Manifest;
 use crate::record::{self, Message};
 use crate::{Attachment, Code, EffError, check, decode};
@@ -39,7 +39,7 @@ impl<'v> Content<'v> {
     /// Takes the `position`th message of a channel in.
     pub fn message(
         &mut self,
-        topic: &str,
+        stream: &Stream,
         message: Message<'_>,
         position: u64,
         place: Place<'_>,
@@ -52,8 +52,8 @@ impl<'v> Content<'v> {
             let expected = format!("the log time, {}", message.log_time);
             findings.push(place.finding(Code::Order, "message.publish_time", message.publish_time, expected));
         }
-        if topic == topic::MANIFEST {
-            return self.manifest(message, place, findings);
+        if stream.topic == topic::MANIFEST {
+            return self.manifest(message, stream.version, place, findings);
         }
         let Some(manifest) = self.manifest.take() else {
             // Without a sound manifest no message can be checked; saying so once suffices.
@@ -63,7 +63,12 @@ impl<'v> Content<'v> {
             }
             return Ok(());
         };
-        let outcome = match topic {
+        if stream.version != manifest.version && position == 0 {
+            let found = format!("messages of version {}", stream.version);
+            let expected = format!("version {}, the manifest's", manifest.version);
+            findings.push(place.finding(Code::Channel, "schema_id", found, expected));
+        }
+        let outcome = match stream.topic {
             topic::EDITS => self.edits(message, place, findings),
             topic::POSE => self.pose(&manifest, message, place, findings),
             topic::SAMPLES => self.samples(&manifest, message, place, findings),
@@ -76,6 +81,7 @@ impl<'v> Content<'v> {
     fn manifest(
         &mut self,
         message: Message<'_>,
+        version: u32,
         place: Place<'_>,
         findings: &mut Findings,
     ) -> Result<(), EffError> {
@@ -83,7 +89,7 @@ impl<'v> Content<'v> {
             findings.push(place.finding(Code::Missing, "message", "a second manifest", "one"));
             return Ok(());
         }
-        let manifest = match decode::manifest(message.data, place) {
+        let manifest = match decode::manifest(message.data, version, place) {
             Ok(manifest) => manifest,
             Err(found) => {
                 self.misses_manifest = true;
@@ -132,7 +138,7 @@ impl<'v> Content<'v> {
     ) -> Result<(), EffError> {
         let k = self.n_poses;
         self.n_poses += 1;
-        match decode::pose(message.data, place) {
+        match decode::pose(message.data, manifest, place) {
             Ok((stamp, pose)) => {
                 check::stamp(stamp, k, manifest.pose.pose_secs(k), message.log_time, place, findings);
                 self.listener.pose(pose);
@@ -184,7 +190,7 @@ impl<'v> Content<'v> {
     ) -> Result<(), EffError> {
         let k = self.n_steps;
         self.n_steps += 1;
-        let (stamp, step) = match decode::step(message.data, &manifest.field, place) {
+        let (stamp, step) = match decode::step(message.data, manifest, place) {
             Ok(step) => step,
             Err(found) => {
                 found.into_iter().for_each(|f| findings.push(f));

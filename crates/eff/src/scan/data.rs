@@ -2,7 +2,7 @@ use super::chunk::{self, Indexes};
 use super::facts::{AttachmentFacts, ChunkFacts};
 use super::{Listener, at, check_crc, content::Content};
 use crate::finding::Place;
-use crate::format::{PROFILE, STREAMS, Stream, topic};
+use crate::format::{PROFILE, Stream, streams, topic};
 use crate::record::{self, Attachment, Channel, Message, PREFIX, Record, Schema, Statistics};
 use crate::scan::Findings;
 use crate::{Code, EffError};
@@ -44,10 +44,14 @@ impl<'v> Data<'v> {
         }
     }
 
-    /// The channel of a topic.
-    pub fn channel_of(&self, topic: &str) -> Option<u16> {
-        let mut channels = self.known_channels.iter();
-        channels.find(|(_, stream)| stream.is_some_and(|s| s.topic == topic)).map(|(id, _)| *id)
+    /// What a channel is to the format; `None` if nothing.
+    pub fn stream(&self, channel_id: u16) -> Option<&'static Stream> {
+        self.known_channels.get(&channel_id).copied().flatten()
+    }
+
+    /// The channels that the format knows.
+    pub fn streams(&self) -> impl Iterator<Item = (u16, &'static Stream)> {
+        self.known_channels.iter().filter_map(|(id, stream)| Some((*id, (*stream)?)))
     }
 
     /// Takes one record in. `body` is its content as it is in the file.
@@ -160,7 +164,7 @@ impl<'v> Data<'v> {
                 "the same as before",
             ));
         }
-        let known = STREAMS.iter().find(|s| s.schema_name == schema.name);
+        let known = streams().find(|s| s.schema_name == schema.name);
         self.known_schemas.insert(schema.id, known);
         let Some(known) = known else { return };
         if schema.encoding != known.schema_encoding {
@@ -184,14 +188,19 @@ impl<'v> Data<'v> {
                 "the same as before",
             ));
         }
-        let known = STREAMS.iter().find(|s| s.topic == channel.topic);
+        let schema = self.known_schemas.get(&channel.schema_id);
+        let schema_name = schema.copied().flatten().map(|s| s.schema_name);
+        let of_topic = || streams().filter(|s| s.topic == channel.topic);
+        let known = of_topic().find(|s| Some(s.schema_name) == schema_name).or_else(|| of_topic().next());
         let is_second = known.is_some()
-            && self.known_channels.iter().any(|(id, stream)| *id != channel.id && *stream == known);
+            && self
+                .known_channels
+                .iter()
+                .any(|(id, stream)| *id != channel.id && stream.is_some_and(|s| s.topic == channel.topic));
         if is_second {
             findings.push(place.finding(Code::Channel, "topic", "a second channel", "one channel a topic"));
         }
         self.known_channels.insert(channel.id, known);
-        let schema = self.known_schemas.get(&channel.schema_id);
         if channel.schema_id != 0 && schema.is_none() {
             let expected = "a schema that came before";
             findings.push(place.finding(Code::Channel, "schema_id", channel.schema_id, expected));
@@ -203,7 +212,7 @@ impl<'v> Data<'v> {
                         (quoted(channel.message_encoding), quoted(stream.message_encoding));
                     findings.push(place.finding(Code::Channel, "message_encoding", found, expected));
                 }
-                if schema.copied().flatten().map(|s| s.schema_name) != Some(stream.schema_name) {
+                if schema_name != Some(stream.schema_name) {
                     let found = format!("schema {}", channel.schema_id);
                     findings.push(place.finding(Code::Channel, "schema_id", found, stream.schema_name));
                 }
@@ -229,7 +238,7 @@ impl<'v> Data<'v> {
         match self.known_channels.get(&message.channel_id) {
             Some(Some(stream)) => {
                 let place = Place { channel: Some(stream.topic), time_ns: Some(message.log_time), ..place };
-                self.content.message(stream.topic, message, position, place, findings)
+                self.content.message(stream, message, position, place, findings)
             }
             Some(None) => Ok(()),
             None => {
@@ -302,7 +311,7 @@ impl<'v> Data<'v> {
 
     /// Counts messages that cannot be read, so that those after them are not taken for out of order.
     fn count_lost(&mut self, channel_id: u16, entries: &[(u64, u64)]) {
-        let stream = self.known_channels.get(&channel_id).copied().flatten();
+        let stream = self.stream(channel_id);
         for (log_time, _) in entries {
             self.count(channel_id, *log_time);
             if let Some(stream) = stream {

@@ -4,7 +4,24 @@
 //! Here every tag is looked at, in messages within messages too.
 
 /// What a message may hold: each field's number, name, and shape if it is a message itself.
-pub(crate) struct Fields(&'static [(u64, &'static str, bool, Option<&'static Fields>)]);
+pub(crate) struct Fields {
+    /// Number, name, whether it repeats.
+    plain: &'static [(u64, &'static str, bool)],
+    /// Number, name, shape.
+    messages: &'static [(u64, &'static str, &'static Fields)],
+}
+
+impl Fields {
+    /// A message that holds no other.
+    pub const fn plain(plain: &'static [(u64, &'static str, bool)]) -> Self {
+        Self { plain, messages: &[] }
+    }
+
+    fn find(&self, number: u64) -> Option<(&'static str, bool, Option<&'static Fields>)> {
+        let plain = self.plain.iter().find(|f| f.0 == number).map(|f| (f.1, f.2, None));
+        plain.or_else(|| self.messages.iter().find(|f| f.0 == number).map(|f| (f.1, ONCE, Some(f.2))))
+    }
+}
 
 /// Fields from this number on are other people's, and skipped.
 pub(crate) const FIRST_EXTENSION: u64 = 1000;
@@ -12,39 +29,31 @@ pub(crate) const FIRST_EXTENSION: u64 = 1000;
 const ONCE: bool = false;
 const REPEATED: bool = true;
 
-static VECTOR3: Fields = Fields(&[(1, "x", ONCE, None), (2, "y", ONCE, None), (3, "z", ONCE, None)]);
+static VECTOR3: Fields = Fields::plain(&[(1, "x", ONCE), (2, "y", ONCE), (3, "z", ONCE)]);
 
-static QUATERNION: Fields =
-    Fields(&[(1, "x", ONCE, None), (2, "y", ONCE, None), (3, "z", ONCE, None), (4, "w", ONCE, None)]);
+static QUATERNION: Fields = Fields::plain(&[(1, "x", ONCE), (2, "y", ONCE), (3, "z", ONCE), (4, "w", ONCE)]);
 
-static ARRAY: Fields =
-    Fields(&[(1, "encoding", ONCE, None), (2, "quantum", ONCE, None), (3, "data", ONCE, None)]);
+static ARRAY: Fields = Fields::plain(&[(1, "encoding", ONCE), (2, "quantum", ONCE), (3, "data", ONCE)]);
 
-pub(crate) static FIELD_STEP: Fields = Fields(&[
-    (1, "index", ONCE, None),
-    (2, "time_ns", ONCE, None),
-    (3, "u", ONCE, Some(&ARRAY)),
-    (4, "flags", ONCE, None),
-    (5, "sd", ONCE, Some(&ARRAY)),
-    (6, "outside", ONCE, Some(&VECTOR3)),
-]);
+pub(crate) static FIELD_STEP: Fields = Fields {
+    plain: &[(1, "index", ONCE), (2, "time_ns", ONCE), (4, "flags", ONCE)],
+    messages: &[(3, "u", &ARRAY), (5, "sd", &ARRAY), (6, "outside", &VECTOR3)],
+};
 
-pub(crate) static SAMPLE_STEP: Fields = Fields(&[
-    (1, "index", ONCE, None),
-    (2, "time_ns", ONCE, None),
-    (3, "strand_idx", REPEATED, None),
-    (4, "marker_idx", REPEATED, None),
-    (5, "position_m", ONCE, Some(&ARRAY)),
-    (6, "value", ONCE, Some(&ARRAY)),
-    (7, "covariance", ONCE, Some(&ARRAY)),
-]);
+pub(crate) static SAMPLE_STEP: Fields = Fields {
+    plain: &[
+        (1, "index", ONCE),
+        (2, "time_ns", ONCE),
+        (3, "strand_idx", REPEATED),
+        (4, "marker_idx", REPEATED),
+    ],
+    messages: &[(5, "position_m", &ARRAY), (6, "value", &ARRAY), (7, "covariance", &ARRAY)],
+};
 
-pub(crate) static POSE_STEP: Fields = Fields(&[
-    (1, "index", ONCE, None),
-    (2, "time_ns", ONCE, None),
-    (3, "translation_m", ONCE, Some(&VECTOR3)),
-    (4, "rotation", ONCE, Some(&QUATERNION)),
-]);
+pub(crate) static POSE_STEP: Fields = Fields {
+    plain: &[(1, "index", ONCE), (2, "time_ns", ONCE)],
+    messages: &[(3, "translation_m", &VECTOR3), (4, "rotation", &QUATERNION)],
+};
 
 /// A field that must not be there.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -70,10 +79,10 @@ fn check_within(mut bytes: &[u8], fields: &Fields, path: &str) -> Result<(), Bad
         if number >= FIRST_EXTENSION {
             continue;
         }
-        let Some((_, name, repeated, within)) = fields.0.iter().find(|f| f.0 == number) else {
+        let Some((name, repeated, within)) = fields.find(number) else {
             return Err(BadField::Unknown { path: path.to_owned(), number });
         };
-        let path = if path.is_empty() { (*name).to_owned() } else { format!("{path}.{name}") };
+        let path = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
         if !repeated && seen.contains(&number) {
             return Err(BadField::Twice { path });
         }
@@ -121,7 +130,8 @@ fn varint(bytes: &mut &[u8]) -> Result<u64, BadField> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire::proto;
+    use crate::format::{DESCRIPTORS, DESCRIPTORS_V0};
+    use crate::wire::{proto, v0};
     use prost::Message as _;
     use protox::prost_reflect::{DescriptorPool, Kind, MessageDescriptor};
 
@@ -136,23 +146,28 @@ mod tests {
         assert_eq!(check(&pose.encode_to_vec(), &POSE_STEP), Ok(()));
     }
 
-    /// The table says what the descriptors say, which travel in every file.
+    /// The tables say what the descriptors say, which travel in every file.
     #[test]
-    fn the_table_is_the_descriptors() {
-        let pool = DescriptorPool::decode(crate::format::DESCRIPTORS).unwrap();
-        for (name, fields) in
-            [("FieldStep", &FIELD_STEP), ("SampleStep", &SAMPLE_STEP), ("PoseStep", &POSE_STEP)]
-        {
-            let message = pool.get_message_by_name(&format!("tousle.eff.v1.{name}")).unwrap();
+    fn the_tables_are_the_descriptors() {
+        let tables = [
+            (DESCRIPTORS, "v1.FieldStep", &FIELD_STEP),
+            (DESCRIPTORS, "v1.SampleStep", &SAMPLE_STEP),
+            (DESCRIPTORS, "v1.PoseStep", &POSE_STEP),
+            (DESCRIPTORS_V0, "v0.FieldStep", &v0::FIELD_STEP),
+            (DESCRIPTORS_V0, "v0.PoseStep", &v0::POSE_STEP),
+        ];
+        for (descriptors, name, fields) in tables {
+            let pool = DescriptorPool::decode(descriptors).unwrap();
+            let message = pool.get_message_by_name(&format!("tousle.eff.{name}")).unwrap();
             assert_same(fields, &message);
         }
     }
 
     fn assert_same(fields: &Fields, message: &MessageDescriptor) {
-        assert_eq!(fields.0.len(), message.fields().len(), "{}", message.name());
-        for (number, name, repeated, within) in fields.0 {
-            let field = message.get_field(*number as u32).unwrap();
-            assert_eq!((field.name(), field.is_list()), (*name, *repeated), "{}", message.name());
+        assert_eq!(fields.plain.len() + fields.messages.len(), message.fields().len(), "{}", message.name());
+        for field in message.fields() {
+            let (name, repeated, within) = fields.find(u64::from(field.number())).unwrap();
+            assert_eq!((field.name(), field.is_list()), (name, repeated), "{}", message.name());
             match (within, field.kind()) {
                 (Some(within), Kind::Message(message)) => assert_same(within, &message),
                 (within, kind) => assert!(within.is_none() && kind.as_message().is_none(), "{name}"),

@@ -20,7 +20,7 @@ pub fn cases() -> Vec<Case> {
 fn manifest() -> Vec<Case> {
     vec![
         forged("version-newer", "a manifest of version 2", &["version"], |p| p.manifest("/version", 2)),
-        forged("version-none", "a manifest of version 0", &["json-schema"], |p| {
+        forged("version-other", "a manifest that says it is of version 0", &["version"], |p| {
             p.manifest("/version", 0);
         }),
         forged("requires", "a feature that nobody knows", &["requires"], |p| {

@@ -2,6 +2,7 @@
 
 mod container;
 mod content;
+pub mod old;
 
 use crate::arbitrary::tiny;
 use crate::forge::{Pieces, pieces};

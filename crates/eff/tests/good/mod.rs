@@ -1,5 +1,7 @@
 //! Good files, one for every feature.
 
+pub mod old;
+
 use crate::arbitrary::{layer, scene, small, step, tiny};
 use crate::forge::{FIELD, MANIFEST, Piece, pieces};
 use serde_json::{Value, json};

@@ -1,0 +1,50 @@
+use crate::manifest::Manifest;
+use crate::scan::{Findings, Listener, scan};
+use crate::{EffError, VERSION, WriteReport, recover};
+use serde::Serialize;
+use std::io::{Read, Seek, SeekFrom, Write};
+use tousle_core::Progress;
+
+/// What a migration did.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Migration {
+    /// The version the file had.
+    pub from: u32,
+    /// The version it has now.
+    pub to: u32,
+    /// What was written.
+    pub written: WriteReport,
+}
+
+/// Writes a sound file of any version again in the newest one. Packed numbers are copied, so nothing is lost.
+///
+/// # Errors
+/// [`EffError::Unsound`] if the file is not sound: then [`recover()`] is what is wanted;
+/// [`EffError::Io`] if a stream fails.
+pub fn migrate<R: Read + Seek, W: Write>(
+    mut input: R,
+    out: W,
+    progress: &dyn Progress,
+) -> Result<Migration, EffError> {
+    let mut version = Version(VERSION);
+    let mut findings = Findings::first_error();
+    input.seek(SeekFrom::Start(0))?;
+    scan(&mut input, &mut version, &mut findings)?;
+    if let Some(finding) = findings.into_first_error() {
+        return Err(Box::new(finding).into());
+    }
+    // Of a sound file everything is recovered, and what is written is always of the newest version.
+    let recovery = recover(input, out, progress)?;
+    Ok(Migration { from: version.0, to: VERSION, written: recovery.written })
+}
+
+/// Listens for the version only.
+struct Version(u32);
+
+impl Listener for Version {
+    fn manifest(&mut self, manifest: &Manifest) -> Result<(), EffError> {
+        self.0 = manifest.version;
+        Ok(())
+    }
+}
