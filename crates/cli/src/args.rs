@@ -36,6 +36,8 @@ pub enum Command {
     Export(ExportArgs),
     /// Make a field of wind from elsewhere (CFD, a scan, a known truth).
     Import(ImportArgs),
+    /// Save every whole step of a field file that was cut or damaged.
+    Recover(RecoverArgs),
     /// Do all of it on an embedded capture and show it on one page.
     Demo(DemoArgs),
     /// Measure: error against run time.
@@ -75,7 +77,45 @@ pub struct ConvertArgs {
     /// How the capture is read.
     #[command(flatten)]
     pub read: ReadArgs,
+    /// How the field is packed.
+    #[command(flatten)]
+    pub pack: PackArgs,
     /// Print the conversion report as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How a field's vectors are packed in its file.
+#[derive(Debug, Args)]
+pub struct PackArgs {
+    /// f32 loses nothing; f16 keeps three digits at a third of the size; fixed keeps --max-error at less than that.
+    #[arg(long, value_enum, default_value_t = EncodingArg::F32)]
+    pub encoding: EncodingArg,
+    /// The most that a component may be off, in the field's unit (m/s or m/s²); for --encoding fixed.
+    #[arg(long, value_name = "E", required_if_eq("encoding", "fixed"))]
+    pub max_error: Option<f64>,
+}
+
+/// `--encoding`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EncodingArg {
+    /// As computed.
+    F32,
+    /// Half precision.
+    F16,
+    /// Whole multiples of a step.
+    Fixed,
+}
+
+/// `tousle recover`
+#[derive(Debug, Args)]
+pub struct RecoverArgs {
+    /// The damaged field file; it is not touched.
+    pub field: PathBuf,
+    /// The field file to write.
+    #[arg(short, long, value_name = "FIELD.eff.mcap")]
+    pub output: PathBuf,
+    /// Print what was saved and lost as JSON.
     #[arg(long)]
     pub json: bool,
 }
@@ -259,6 +299,9 @@ pub struct ImportArgs {
     /// The head's poses: .npz with `t` (T), `R` (T,3,3), `p` (T,3) [default: an upright, still head].
     #[arg(long, value_name = "POSES.npz")]
     pub head: Option<PathBuf>,
+    /// How the field is packed.
+    #[command(flatten)]
+    pub pack: PackArgs,
     /// Edge of the grid about the head, mm, where the file gives neither `origin` nor `edge`.
     #[arg(long, value_name = "MM")]
     pub extent_mm: Option<f64>,

@@ -7,15 +7,16 @@ pub mod edit;
 pub mod export;
 pub mod import;
 pub mod inspect;
+pub mod recover;
 pub mod simulate;
 pub mod validate;
 
-use crate::args::GroomArgs;
+use crate::args::{EncodingArg, GroomArgs, PackArgs};
 use anyhow::{Context, anyhow, bail};
 use serde::Serialize;
 use std::path::Path;
 use tousle_core::{Attachment, Groom, Shape};
-use tousle_eff::{Eff, ReadOptions, WriteOptions, WriteReport};
+use tousle_eff::{Eff, Encoding, ReadOptions, WriteOptions, WriteReport};
 use tousle_field::Scene;
 use tousle_groom::{GroomOptions, HeadShape, Placement};
 use tousle_pipeline::{Watch, read_file, write_whole};
@@ -78,9 +79,26 @@ fn head_shape(scene: &Scene) -> anyhow::Result<HeadShape> {
 }
 
 /// Writes a field file, whole or not at all.
-fn write_eff(eff: &Eff, path: &Path, watch: &dyn Watch) -> anyhow::Result<WriteReport> {
+fn write_eff(
+    eff: &Eff,
+    path: &Path,
+    options: &WriteOptions,
+    watch: &dyn Watch,
+) -> anyhow::Result<WriteReport> {
     let stage = watch.stage("write");
-    Ok(write_whole(path, |out| tousle_eff::write(eff, out, &WriteOptions::default(), &*stage))?)
+    Ok(write_whole(path, |out| tousle_eff::write(eff, out, options, &*stage))?)
+}
+
+/// How a field is packed, as the command line has it.
+fn write_options(args: &PackArgs) -> anyhow::Result<WriteOptions> {
+    let encoding = match (args.encoding, args.max_error) {
+        (EncodingArg::Fixed, Some(max_error)) => Encoding::Fixed { max_error },
+        (EncodingArg::Fixed, None) => bail!("--encoding fixed: found no --max-error, expected one"),
+        (_, Some(_)) => bail!("--max-error: found encoding {:?}, expected fixed", args.encoding),
+        (EncodingArg::F32, None) => Encoding::F32,
+        (EncodingArg::F16, None) => Encoding::F16,
+    };
+    Ok(WriteOptions::with_encoding(encoding))
 }
 
 /// Prints a value as JSON on stdout.

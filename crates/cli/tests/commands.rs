@@ -90,3 +90,27 @@ fn the_demo_writes_a_page_and_all_it_names() {
     }
     room.run("validate demo/gusts.eff.mcap demo/lifted.eff.mcap").ended(0);
 }
+
+#[test]
+fn a_cut_field_gives_back_its_whole_steps() {
+    let room = Room::new();
+    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 50").ended(0);
+    let bytes = room.read("f.eff.mcap");
+    room.write("cut.eff.mcap", &bytes[..bytes.len() / 2]);
+    room.run("validate cut.eff.mcap").ended(1);
+    let run = room.run("recover cut.eff.mcap -o saved.eff.mcap").ended(3);
+    assert!(run.out.contains("of 120 steps"), "{}", run.out);
+    room.run("validate saved.eff.mcap").ended(0);
+    room.run("recover f.eff.mcap -o whole.eff.mcap").ended(0);
+}
+
+#[test]
+fn a_lossy_encoding_is_smaller_and_says_its_bound() {
+    let room = Room::new();
+    let convert = "convert gusts.c3d --session session.json --voxel-mm 50";
+    room.run(&format!("{convert} -o f32.eff.mcap")).ended(0);
+    room.run(&format!("{convert} -o fixed.eff.mcap --encoding fixed --max-error 0.001")).ended(0);
+    assert!(room.read("fixed.eff.mcap").len() < room.read("f32.eff.mcap").len() / 2);
+    room.run("validate fixed.eff.mcap").ended(0);
+    room.run(&format!("{convert} -o g.eff.mcap --encoding fixed")).ended(2);
+}

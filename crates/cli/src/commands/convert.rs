@@ -1,4 +1,4 @@
-use super::{check_ending, name, print_json, write_eff};
+use super::{check_ending, name, print_json, write_eff, write_options};
 use crate::args::{ConvertArgs, MethodArg, ReadingArg};
 use crate::ui::Outcome;
 use std::fmt::Write;
@@ -9,6 +9,7 @@ use tousle_pipeline::{ConversionReport, ConvertOptions, Input, Watch, read_file}
 /// `tousle convert`
 pub fn run(args: &ConvertArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     check_ending(&args.output, &["mcap"])?;
+    let pack = write_options(&args.pack)?;
     let capture = read_file(&args.capture)?;
     let session = read_file(&args.session)?;
     let converted = tousle_pipeline::convert(
@@ -17,7 +18,7 @@ pub fn run(args: &ConvertArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         &options(args),
         watch,
     )?;
-    let written = write_eff(&converted.eff, &args.output, watch)?;
+    let written = write_eff(&converted.eff, &args.output, &pack, watch)?;
     let report = &converted.report;
     if args.json {
         print_json(report)?;

@@ -5,6 +5,7 @@ use anyhow::Context;
 use serde::Serialize;
 use tousle_core::{Groom, StrandMotion};
 use tousle_edit::{EditEffects, EditOptions, EditReport, Edited};
+use tousle_eff::WriteOptions;
 use tousle_field::{FieldSequence, Scene};
 use tousle_pipeline::{Watch, read_file};
 use tousle_sim::SimOptions;
@@ -32,7 +33,7 @@ pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let after = simulated(&sequence, &eff.scene, &groom, watch)?;
     let effects = tousle_edit::measure(&before, &after, &groom, &sequence.layers[n_before..])?;
     eff.field = sequence;
-    write_eff(&eff, &args.output, watch)?;
+    write_eff(&eff, &args.output, &WriteOptions::default(), watch)?;
     let report = Report { made: report, effects };
     if args.json {
         print_json(&report)?;

@@ -1,4 +1,4 @@
-use super::{check_ending, print_json, write_eff};
+use super::{check_ending, print_json, write_eff, write_options};
 use crate::args::ImportArgs;
 use crate::ui::Outcome;
 use anyhow::Context;
@@ -19,6 +19,7 @@ struct ImportReport {
 /// `tousle import`
 pub fn run(args: &ImportArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     check_ending(&args.output, &["mcap"])?;
+    let pack = write_options(&args.pack)?;
     let session_bytes = read_file(&args.session)?;
     let session = tousle_ingest::read_session(&session_bytes)
         .with_context(|| format!("cannot read the session {}", args.session.display()))?;
@@ -40,7 +41,7 @@ pub fn run(args: &ImportArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         samples: None,
         attachments: attachments(session_bytes, &report)?,
     };
-    let written = write_eff(&eff, &args.output, watch)?;
+    let written = write_eff(&eff, &args.output, &pack, watch)?;
     if args.json {
         print_json(&report)?;
     } else {
