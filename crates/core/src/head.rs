@@ -11,6 +11,17 @@ pub struct HeadCapture {
     pub poses: Vec<Option<HeadPose>>,
     /// The locks, in the session's order.
     pub strands: Vec<StrandTracks>,
+    /// Trajectories that nobody labeled, in the capture's order: pieces of a lost marker, or ghosts.
+    pub unlabeled: Vec<UnlabeledTrack>,
+}
+
+/// A trajectory without a name, head space, m.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnlabeledTrack {
+    /// What the capture system calls it: `*12`.
+    pub label: String,
+    /// Positions, as long as the capture.
+    pub track: Track,
 }
 
 /// Where the head was in one frame, and how far that can be trusted.

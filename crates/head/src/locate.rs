@@ -2,7 +2,7 @@ use crate::registration::{Pair, Registration, register};
 use crate::shape::{HeadShape, head_shape};
 use crate::smooth::{PoseTrackReport, SmoothOptions, TrackedPoses, pose_track};
 use serde::Serialize;
-use tousle_core::{Capture, HeadCapture, HeadPose, Session, StrandTracks, Track};
+use tousle_core::{Capture, HeadCapture, HeadPose, Session, StrandTracks, Track, UnlabeledTrack};
 
 /// How the head is found.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,6 +131,7 @@ pub fn locate_head(
         rate_hz: capture.rate_hz,
         first_frame: capture.first_frame,
         strands: strand_tracks(capture, session, &poses, &tracked)?,
+        unlabeled: unlabeled_tracks(capture, &poses, &tracked),
         poses,
     };
     let report = report(&head, session, &tracks, &shape, &agreement, &trust, &tracked);
@@ -229,18 +230,34 @@ fn strand_tracks(
 ) -> Result<Vec<StrandTracks>, HeadError> {
     let labels = session.strands.iter().flat_map(|s| s.markers.iter().map(|m| m.label.as_str()));
     let mut tracks = find_tracks(capture, session, labels)?.into_iter();
-    let to_head = |track: &Track| {
-        track.map(|frame, p_world| {
-            poses[frame].as_ref()?;
-            let world_from_head = tracked.pose(frame);
-            Some(world_from_head.inverse_transform_point(&p_world.into()).coords)
-        })
-    };
     let strand = |(strand_idx, spec): (usize, &tousle_core::StrandSpec)| {
-        let markers = tracks.by_ref().take(spec.markers.len()).map(to_head).collect();
+        let of_strand = tracks.by_ref().take(spec.markers.len());
+        let markers = of_strand.map(|track| to_head(track, poses, tracked)).collect();
         StrandTracks { strand_idx, markers }
     };
     Ok(session.strands.iter().enumerate().map(strand).collect())
+}
+
+fn unlabeled_tracks(
+    capture: &Capture,
+    poses: &[Option<HeadPose>],
+    tracked: &TrackedPoses,
+) -> Vec<UnlabeledTrack> {
+    let unlabeled = capture.trajectories.iter().filter(|t| t.is_unlabeled());
+    let in_head = |t: &tousle_core::Trajectory| UnlabeledTrack {
+        label: t.label.clone(),
+        track: to_head(&t.track, poses, tracked),
+    };
+    unlabeled.map(in_head).collect()
+}
+
+/// A world-space track as the head sees it; missing wherever the pose is.
+fn to_head(track: &Track, poses: &[Option<HeadPose>], tracked: &TrackedPoses) -> Track {
+    track.map(|frame, p_world| {
+        poses[frame].as_ref()?;
+        let world_from_head = tracked.pose(frame);
+        Some(world_from_head.inverse_transform_point(&p_world.into()).coords)
+    })
 }
 
 fn report(

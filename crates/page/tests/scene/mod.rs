@@ -231,6 +231,7 @@ fn capture(session: &Session) -> HeadCapture {
         first_frame: 1,
         poses: (0..n_frames).map(|f| (f != 200).then(|| pose_at(f))).collect(),
         strands: tracks.collect(),
+        unlabeled: Vec::new(),
     }
 }
 

@@ -1,0 +1,296 @@
+//! Gaps filled from the lock's own shape, each with the error that the same fill makes where the truth is seen.
+
+use crate::interpolate::{End, carry};
+use crate::lock::Locks;
+use crate::report::FillMethod;
+use crate::shape::{Coefficients, ShapeModel};
+use std::ops::Range;
+use tousle_core::{Track, Vec3};
+
+/// Trials of each method for each gap. More would tell the error closer and take longer.
+const MOST_TRIALS: usize = 32;
+/// Fewer tell nothing.
+const LEAST_TRIALS: usize = 4;
+
+/// What filling looks at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scene<'a> {
+    pub locks: &'a Locks,
+    pub tracks: &'a [Track],
+    /// First and last still frame (from 0, both included): how hair hangs says nothing of how it flies.
+    pub still: Option<(usize, usize)>,
+}
+
+/// A filled gap, or the part of it in which the same neighbors are seen.
+#[derive(Clone, Debug)]
+pub(crate) struct Fill {
+    pub frames: Range<usize>,
+    pub positions: Vec<Vec3>,
+    /// Expected error a frame, m; `None` if no trial could be made.
+    pub errors_m: Option<Vec<f64>>,
+    pub method: FillMethod,
+    pub expected_error_m: f64,
+    pub trials: usize,
+    pub shortened_frames: usize,
+}
+
+/// The frames in which a track has no sample, in order.
+pub(crate) fn gaps(track: &Track) -> Vec<Range<usize>> {
+    runs(track.n_frames(), |f| track.at(f).is_none())
+}
+
+/// Maximal runs of frames with a property, in order.
+pub(crate) fn runs(n_frames: usize, has: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for f in (0..n_frames).filter(|&f| has(f)) {
+        match runs.last_mut() {
+            Some(run) if run.end == f => run.end += 1,
+            _ => runs.push(f..f + 1),
+        }
+    }
+    runs
+}
+
+/// Fills one gap of one marker, part by part; empty if the marker was never seen.
+pub(crate) fn fill_gap(scene: Scene<'_>, target: usize, gap: Range<usize>) -> Vec<Fill> {
+    let lock = scene.locks.lock_of(target);
+    let seen_at = |f: usize| -> Vec<usize> {
+        lock.clone().filter(|&n| n != target && scene.tracks[n].at(f).is_some()).collect()
+    };
+    let mut fills = Vec::new();
+    let mut start = gap.start;
+    while start < gap.end {
+        let seen = seen_at(start);
+        let end = (start..gap.end).find(|&f| seen_at(f) != seen).unwrap_or(gap.end);
+        fills.extend(fill_run(scene, target, start..end, &seen));
+        start = end;
+    }
+    fills
+}
+
+fn fill_run(scene: Scene<'_>, target: usize, run: Range<usize>, seen: &[usize]) -> Option<Fill> {
+    let near = ShapeModel::new(scene.locks, scene.tracks, target, seen, 1);
+    let wide = ShapeModel::new(scene.locks, scene.tracks, target, seen, 2);
+    let fillers = [
+        // Of methods that nowhere can be tried, the first one is taken: it never runs away.
+        (FillMethod::Lock, wide.as_ref(), false),
+        (FillMethod::LockCubic, wide.as_ref(), true),
+        (FillMethod::NeighborsCubic, near.as_ref(), true),
+        (FillMethod::Neighbors, near.as_ref(), false),
+        (FillMethod::Cubic, None, true),
+        (FillMethod::Line, None, false),
+    ];
+    let mut best: Option<(Trials, Filler<'_>)> = None;
+    for (method, model, cubic) in fillers {
+        if model.is_none() && !matches!(method, FillMethod::Cubic | FillMethod::Line) {
+            continue;
+        }
+        let Some(filler) = Filler::new(scene, target, run.clone(), method, model, cubic) else { continue };
+        let trials = filler.trials();
+        if best.as_ref().is_none_or(|(least, _)| trials.better_than(least)) {
+            best = Some((trials, filler));
+        }
+    }
+    let (trials, filler) = best?;
+    let coefficients = filler.learn(0..0);
+    let mut positions: Vec<Vec3> =
+        run.clone().map(|f| filler.at(coefficients.as_ref(), f, 0)).collect::<Option<_>>()?;
+    let shortened_frames = hold_to_length(scene, target, &run, seen, &mut positions);
+    Some(Fill {
+        frames: run,
+        positions,
+        expected_error_m: trials.rms().unwrap_or(f64::NAN),
+        errors_m: trials.per_frame(),
+        method: filler.method,
+        trials: trials.n,
+        shortened_frames,
+    })
+}
+
+/// Draws positions to where the lock's length lets the marker be; how many frames it had to.
+fn hold_to_length(
+    scene: Scene<'_>,
+    target: usize,
+    run: &Range<usize>,
+    seen: &[usize],
+    positions: &mut [Vec3],
+) -> usize {
+    let reach = |other| scene.locks.reach_m(scene.tracks, target, other);
+    let nearest = [seen.iter().rev().find(|n| **n < target), seen.iter().find(|n| **n > target)];
+    let mut limits: Vec<(Option<usize>, f64)> =
+        nearest.into_iter().flatten().map(|&n| (Some(n), reach(Some(n)))).collect();
+    limits.push((None, reach(None)));
+    let mut n_shortened = 0;
+    for (f, p) in run.clone().zip(positions) {
+        let before = *p;
+        // Three rounds bring a point within all three spheres to a hundredth of what it was outside.
+        for (other, reach_m) in limits.iter().cycle().take(3 * limits.len()) {
+            let anchor = other.map_or(Some(scene.locks.root_m(target)), |n| scene.tracks[n].at(f));
+            let Some(anchor) = anchor else { continue };
+            let arm = *p - anchor;
+            if arm.norm() > *reach_m {
+                *p = anchor + arm * (reach_m / arm.norm());
+            }
+        }
+        n_shortened += usize::from(*p != before);
+    }
+    n_shortened
+}
+
+/// One way to fill one run of frames, which can be tried at other times.
+struct Filler<'a> {
+    scene: Scene<'a>,
+    target: usize,
+    run: Range<usize>,
+    method: FillMethod,
+    model: Option<&'a ShapeModel<'a>>,
+    cubic: bool,
+    left: Option<usize>,
+    right: Option<usize>,
+}
+
+impl<'a> Filler<'a> {
+    /// `None` without a seen frame on either side.
+    fn new(
+        scene: Scene<'a>,
+        target: usize,
+        run: Range<usize>,
+        method: FillMethod,
+        model: Option<&'a ShapeModel<'a>>,
+        cubic: bool,
+    ) -> Option<Self> {
+        let track = &scene.tracks[target];
+        let anchor = |f: &usize| track.at(*f).is_some() && model.is_none_or(|m| m.applies(*f));
+        let left = (0..run.start).rev().find(anchor);
+        let right = (run.end..track.n_frames()).find(anchor);
+        left.or(right)?;
+        Some(Self { scene, target, run, method, model, cubic, left, right })
+    }
+
+    /// What the neighbors tell, learned without the frames in `hidden`.
+    fn learn(&self, hidden: Range<usize>) -> Option<Coefficients> {
+        self.model?.without(&hidden)
+    }
+
+    /// The fill in a frame of the run, all of it moved in time by `shift`; `None` where something is missing.
+    fn at(&self, coefficients: Option<&Coefficients>, frame: usize, shift: isize) -> Option<Vec3> {
+        let moved = |f: usize| f.checked_add_signed(shift);
+        let told = |f: usize| match self.model {
+            Some(model) => model.predict(coefficients?, f),
+            None => Some(Vec3::zeros()),
+        };
+        let miss = |f: usize| Some(self.scene.tracks[self.target].at(f)? - told(f)?);
+        let end = |anchor: usize, before: bool| {
+            let f = moved(anchor)?;
+            let value = miss(f)?;
+            // Two frames away: half the noise of one frame, and still of the moment.
+            let away = if before { f.checked_sub(2) } else { f.checked_add(2) };
+            let slope = away.and_then(&miss).map_or(Vec3::zeros(), |other| {
+                if before { (value - other) / 2.0 } else { (other - value) / 2.0 }
+            });
+            Some(End { frame: f, value, slope })
+        };
+        let left = match self.left {
+            Some(anchor) => Some(end(anchor, true)?),
+            None => None,
+        };
+        let right = match self.right {
+            Some(anchor) => Some(end(anchor, false)?),
+            None => None,
+        };
+        let f = moved(frame)?;
+        Some(told(f)? + carry(left, right, f, self.cubic)?)
+    }
+
+    /// The same fill at other times, where the marker was seen, compared with what was seen.
+    ///
+    /// Runs in the still interval are tried there, others elsewhere, and everywhere if that is too little to
+    /// tell; what is to be filled is learned without.
+    fn trials(&self) -> Trials {
+        let n_frames = self.scene.tracks[self.target].n_frames();
+        let first = self.left.unwrap_or(self.run.start);
+        let last = self.right.unwrap_or(self.run.end - 1);
+        let n_shifts = n_frames - (last - first);
+        // Twice as many places are looked at as trials are wanted, as half of them may be hidden.
+        let n_places = n_shifts.min(2 * MOST_TRIALS);
+        let shifts = (0..n_places).map(|k| (k * n_shifts / n_places) as isize - first as isize);
+        let moved = |f: usize, shift: isize| f.saturating_add_signed(shift);
+        let (like, unlike): (Vec<isize>, Vec<isize>) = shifts
+            .filter(|s| {
+                moved(self.run.start, *s) >= self.run.end || moved(self.run.end, *s) <= self.run.start
+            })
+            .partition(|s| {
+                self.is_still(&(moved(self.run.start, *s)..moved(self.run.end, *s)))
+                    == self.is_still(&self.run)
+            });
+        let mut trials = Trials::new(self.run.len());
+        for (shifts, enough) in [(like, MOST_TRIALS), (unlike, LEAST_TRIALS)] {
+            for shift in shifts {
+                if trials.n < enough {
+                    self.try_at(shift, moved(self.run.start, shift)..moved(self.run.end, shift), &mut trials);
+                }
+            }
+        }
+        trials
+    }
+
+    fn is_still(&self, run: &Range<usize>) -> bool {
+        self.scene.still.is_some_and(|(first, last)| first <= run.start && run.end <= last + 1)
+    }
+
+    fn try_at(&self, shift: isize, moved_run: Range<usize>, trials: &mut Trials) {
+        let coefficients = self.learn(moved_run.clone());
+        let miss = |(f, moved): (usize, usize)| {
+            let seen = self.scene.tracks[self.target].at(moved)?;
+            Some((self.at(coefficients.as_ref(), f, shift)? - seen).norm_squared())
+        };
+        let squares: Vec<Option<f64>> = self.run.clone().zip(moved_run).map(miss).collect();
+        // A trial of which most is hidden is none.
+        if 2 * squares.iter().flatten().count() > squares.len() {
+            trials.add(&squares);
+        }
+    }
+}
+
+/// Squared errors of trials, frame by frame.
+#[derive(Debug)]
+struct Trials {
+    n: usize,
+    sums: Vec<f64>,
+    counts: Vec<f64>,
+}
+
+impl Trials {
+    fn new(n_frames: usize) -> Self {
+        Self { n: 0, sums: vec![0.0; n_frames], counts: vec![0.0; n_frames] }
+    }
+
+    fn add(&mut self, squares: &[Option<f64>]) {
+        self.n += 1;
+        for (k, square) in squares.iter().enumerate() {
+            self.sums[k] += square.unwrap_or(0.0);
+            self.counts[k] += f64::from(u8::from(square.is_some()));
+        }
+    }
+
+    fn rms(&self) -> Option<f64> {
+        let count: f64 = self.counts.iter().sum();
+        (self.n >= LEAST_TRIALS).then(|| (self.sums.iter().sum::<f64>() / count).sqrt())
+    }
+
+    /// Expected error in each frame, m: that frame's own, with the whole run's counted in as four trials.
+    fn per_frame(&self) -> Option<Vec<f64>> {
+        let whole = self.rms()?;
+        let weight = LEAST_TRIALS as f64;
+        let frame = |(sum, n): (&f64, &f64)| ((sum + weight * whole * whole) / (n + weight)).sqrt();
+        Some(self.sums.iter().zip(&self.counts).map(frame).collect())
+    }
+
+    /// A method that could be tried is preferred to one that could not.
+    fn better_than(&self, other: &Self) -> bool {
+        match (self.rms(), other.rms()) {
+            (Some(a), Some(b)) => a < b,
+            (a, b) => a.is_some() && b.is_none(),
+        }
+    }
+}

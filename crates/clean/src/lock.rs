@@ -1,0 +1,108 @@
+//! What a lock is to cleaning: markers in a row on something that bends but does not stretch.
+
+use std::ops::Range;
+use tousle_core::{Session, Track, Vec3};
+
+/// One marker of one lock.
+#[derive(Clone, Debug)]
+pub(crate) struct Marker {
+    pub label: String,
+    pub strand_idx: usize,
+    /// Distance from the root along the lock, m; by even spacing if it was not measured.
+    pub arc_m: f64,
+}
+
+/// All locks, their markers in one flat row: lock after lock, root to tip.
+#[derive(Clone, Debug)]
+pub(crate) struct Locks {
+    pub markers: Vec<Marker>,
+    /// The flat indices of each lock's markers.
+    pub members: Vec<Range<usize>>,
+    roots_m: Vec<Vec3>,
+    names: Vec<String>,
+}
+
+impl Locks {
+    pub(crate) fn of(session: &Session, n_markers: &[usize]) -> Self {
+        let mut locks =
+            Self { markers: Vec::new(), members: Vec::new(), roots_m: Vec::new(), names: Vec::new() };
+        for (strand_idx, (spec, n)) in session.strands.iter().zip(n_markers).enumerate() {
+            let first = locks.markers.len();
+            for (k, marker) in spec.markers.iter().take(*n).enumerate() {
+                let even = spec.length_m * (k + 1) as f64 / *n as f64;
+                let arc_m = marker.distance_from_root_m.unwrap_or(even);
+                locks.markers.push(Marker { label: marker.label.clone(), strand_idx, arc_m });
+            }
+            locks.members.push(first..locks.markers.len());
+            locks.roots_m.push(spec.root_m);
+            locks.names.push(spec.name.clone());
+        }
+        locks
+    }
+
+    pub(crate) fn lock_of(&self, marker: usize) -> Range<usize> {
+        self.members[self.markers[marker].strand_idx].clone()
+    }
+
+    pub(crate) fn root_m(&self, marker: usize) -> Vec3 {
+        self.roots_m[self.markers[marker].strand_idx]
+    }
+
+    pub(crate) fn strand_name(&self, marker: usize) -> &str {
+        &self.names[self.markers[marker].strand_idx]
+    }
+
+    /// Hair between two markers of one lock, m.
+    pub(crate) fn between_m(&self, i: usize, j: usize) -> f64 {
+        (self.markers[i].arc_m - self.markers[j].arc_m).abs()
+    }
+
+    /// How badly these two markers' tracks fit the lengths of their locks: mean excess of distance over hair, m.
+    pub(crate) fn misfit(&self, tracks: &[Track], pair: [usize; 2]) -> f64 {
+        pair.iter().map(|&m| self.misfit_of(tracks, m, &tracks[m], &pair)).sum()
+    }
+
+    /// The same with the two tracks exchanged.
+    pub(crate) fn misfit_swapped(&self, tracks: &[Track], [a, b]: [usize; 2]) -> f64 {
+        let pair = [a, b];
+        self.misfit_of(tracks, a, &tracks[b], &pair) + self.misfit_of(tracks, b, &tracks[a], &pair)
+    }
+
+    /// Over all frames, how much farther from (or nearer to) its neighbors a marker is than the hair between them says.
+    ///
+    /// Hair is nearly straight between two markers 3 cm apart: too near is as suspicious as too far.
+    fn misfit_of(&self, tracks: &[Track], marker: usize, track: &Track, left_out: &[usize]) -> f64 {
+        let neighbors = self.lock_of(marker).filter(|n| n.abs_diff(marker) == 1 && !left_out.contains(n));
+        let mut excess = [0.0; 2];
+        for neighbor in neighbors {
+            let between_m = self.between_m(marker, neighbor);
+            for (p, q) in track.iter().zip(tracks[neighbor].iter()) {
+                let (Some(p), Some(q)) = (p, q) else { continue };
+                excess[0] += ((p - q).norm() - between_m).abs();
+                excess[1] += 1.0;
+            }
+        }
+        let from_root = (self.root_m(marker), self.markers[marker].arc_m);
+        for p in track.iter().flatten() {
+            excess[0] += ((p - from_root.0).norm() - from_root.1).max(0.0);
+            excess[1] += 1.0;
+        }
+        excess[0] / excess[1].max(1.0)
+    }
+
+    /// The greatest distance between two markers of a lock (or one and the root), m: the hair between them, or,
+    /// as hands measure hair to a millimeter or two, what was seen, rare outliers aside.
+    pub(crate) fn reach_m(&self, tracks: &[Track], marker: usize, other: Option<usize>) -> f64 {
+        let mut seen: Vec<f64> = match other {
+            Some(other) => tracks[marker]
+                .iter()
+                .zip(tracks[other].iter())
+                .filter_map(|(p, q)| Some((p? - q?).norm()))
+                .collect(),
+            None => tracks[marker].iter().flatten().map(|p| (p - self.root_m(marker)).norm()).collect(),
+        };
+        seen.sort_by(f64::total_cmp);
+        let hair = other.map_or(self.markers[marker].arc_m, |other| self.between_m(marker, other));
+        seen.get(seen.len().saturating_sub(1) * 99 / 100).map_or(hair, |far| far.max(hair))
+    }
+}

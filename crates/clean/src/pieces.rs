@@ -1,0 +1,123 @@
+//! Nameless trajectories: pieces of a marker during its own gap, or ghosts.
+
+use crate::gaps::{Fill, Scene, fill_gap, gaps, runs};
+use std::ops::Range;
+use tousle_core::{Track, UnlabeledTrack, Vec3};
+
+/// Degrees of freedom of the tails of a fill's error: it is no Gaussian.
+const TAIL: f64 = 3.0;
+
+/// A stretch of a nameless trajectory without a gap.
+#[derive(Clone, Debug)]
+pub(crate) struct Piece<'a> {
+    pub label: &'a str,
+    pub track: &'a Track,
+    pub frames: Range<usize>,
+}
+
+/// What is thought of a piece.
+#[derive(Clone, Debug)]
+pub(crate) struct Verdict {
+    /// The likeliest marker among those that were in a gap all the while.
+    pub marker: Option<usize>,
+    /// Root mean square distance from that marker's fill, m.
+    pub distance_m: f64,
+    /// Expected, m.
+    pub expected_m: f64,
+    /// Probability that it is that marker.
+    pub confidence: f64,
+}
+
+/// All pieces of the nameless trajectories, in order.
+pub(crate) fn pieces(unlabeled: &[UnlabeledTrack]) -> Vec<Piece<'_>> {
+    unlabeled.iter().flat_map(pieces_of).collect()
+}
+
+fn pieces_of(UnlabeledTrack { label, track }: &UnlabeledTrack) -> impl Iterator<Item = Piece<'_>> {
+    let seen = runs(track.n_frames(), |f| track.at(f).is_some());
+    seen.into_iter().map(move |frames| Piece { label, track, frames })
+}
+
+/// Whose the piece is: the fill of each marker's gap, with its expected error, against a ghost anywhere in the
+/// hair.
+pub(crate) fn judge(scene: Scene<'_>, piece: &Piece<'_>, volume_m3: f64) -> Verdict {
+    let candidates: Vec<(usize, Fit)> = (0..scene.tracks.len())
+        .filter_map(|marker| {
+            let of_piece =
+                |gap: &Range<usize>| gap.start <= piece.frames.start && piece.frames.end <= gap.end;
+            let gap = gaps(&scene.tracks[marker]).into_iter().find(of_piece)?;
+            Some((marker, Fit::of(piece, &fill_gap(scene, marker, gap))?))
+        })
+        .collect();
+    // As many markers as are in a gap may have lost it; a ghost is as likely as all of them together.
+    let prior = -libm::log(candidates.len().max(1) as f64);
+    let ghost = -libm::log(volume_m3);
+    let evidence = |fit: &Fit| libm::exp((prior + fit.log_density - ghost).min(300.0));
+    let total: f64 = 1.0 + candidates.iter().map(|(_, fit)| evidence(fit)).sum::<f64>();
+    let best = candidates.iter().max_by(|a, b| a.1.log_density.total_cmp(&b.1.log_density));
+    let Some((marker, fit)) = best else {
+        return Verdict { marker: None, distance_m: f64::NAN, expected_m: f64::NAN, confidence: 0.0 };
+    };
+    Verdict {
+        marker: Some(*marker),
+        distance_m: fit.distance_m,
+        expected_m: fit.expected_m,
+        confidence: evidence(fit) / total,
+    }
+}
+
+/// How well a piece fits a marker's fill.
+#[derive(Clone, Debug)]
+struct Fit {
+    distance_m: f64,
+    expected_m: f64,
+    /// Log of the density at the piece's place, 1/m³.
+    log_density: f64,
+}
+
+impl Fit {
+    /// `None` if the fill does not cover the piece, or its error is unknown.
+    ///
+    /// Errors of a fill last for many frames: the whole piece is one observation of one place, and the mean over
+    /// its frames keeps that observation's variance.
+    fn of(piece: &Piece<'_>, fills: &[Fill]) -> Option<Self> {
+        let (mut squares, mut in_errors, mut logs, mut errors, mut n) = (0.0, 0.0, 0.0, 0.0, 0usize);
+        for fill in fills {
+            let errors_m = fill.errors_m.as_ref()?;
+            for ((f, told), error_m) in fill.frames.clone().zip(&fill.positions).zip(errors_m) {
+                if !piece.frames.contains(&f) {
+                    continue;
+                }
+                let square = (piece.track.at(f)? - told).norm_squared();
+                squares += square;
+                in_errors += 3.0 * square / (error_m * error_m);
+                logs += libm::log(error_m / 3f64.sqrt());
+                errors += error_m * error_m;
+                n += 1;
+            }
+        }
+        if n < piece.frames.len() {
+            return None;
+        }
+        let n = n as f64;
+        // Student's t in three dimensions with three degrees of freedom: Γ(3) / (Γ(3/2) (3π)^(3/2)) at its peak.
+        let peak = libm::log(2.0 / (0.886_226_925 * 28.934_8));
+        let tails = (TAIL + 3.0) / 2.0 * libm::log1p(in_errors / n / TAIL);
+        Some(Self {
+            distance_m: (squares / n).sqrt(),
+            expected_m: (errors / n).sqrt(),
+            log_density: peak - tails - 3.0 * logs / n,
+        })
+    }
+}
+
+/// The volume in which hair was seen, m³: the box round all samples.
+pub(crate) fn volume_m3(tracks: &[Track]) -> f64 {
+    let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+    for p in tracks.iter().flat_map(Track::iter).flatten() {
+        low = low.inf(&p);
+        high = high.sup(&p);
+    }
+    let size = high - low;
+    if size.iter().all(|s| s.is_finite()) { size.iter().map(|s| s.max(1e-2)).product() } else { 1.0 }
+}

@@ -1,0 +1,182 @@
+use serde::Serialize;
+
+/// Everything that cleaning found and changed. Frames are numbered as the file does, both ends included.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct CleanReport {
+    /// Outliers cut out of a track; what they leave is a gap.
+    pub spikes: Vec<SpikeCut>,
+    /// Markers that had exchanged labels.
+    pub swaps: Vec<SwapMended>,
+    /// Nameless trajectories given to a marker during its own gap.
+    pub given_back: Vec<PieceGivenBack>,
+    /// Nameless trajectories that fit no marker, and were left out.
+    pub ghosts: Vec<GhostRefused>,
+    /// Gaps that were filled.
+    pub gaps: Vec<GapFilled>,
+    /// Gaps that were left as they are.
+    pub unfilled: Vec<Unfilled>,
+    /// Every marker of every lock, for timelines.
+    pub markers: Vec<MarkerTimeline>,
+}
+
+/// First and last frame of something, as the file numbers them, both included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Span {
+    /// First frame.
+    pub first_frame: i64,
+    /// Last frame.
+    pub last_frame: i64,
+}
+
+/// An outlier that was cut out.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SpikeCut {
+    /// The marker's label.
+    pub marker: String,
+    /// The frames.
+    pub span: Span,
+    /// How far the worst sample was from the line between its neighbors, m.
+    pub height_m: f64,
+    /// Probability that it was no motion, 0 to 1.
+    pub confidence: f64,
+}
+
+/// Two markers that had exchanged labels in a span.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SwapMended {
+    /// The two labels.
+    pub markers: [String; 2],
+    /// The frames in which the labels were exchanged in the file.
+    pub span: Span,
+    /// How far the labels jumped where the exchange began (or ended, if it began with the capture), m.
+    pub jump_m: f64,
+    /// Probability that it was an exchange, by the continuity of both motions, 0 to 1.
+    pub confidence: f64,
+}
+
+/// A nameless trajectory that belongs to a marker.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PieceGivenBack {
+    /// What the file calls the piece.
+    pub piece: String,
+    /// The marker that got it.
+    pub marker: String,
+    /// The frames.
+    pub span: Span,
+    /// Root mean square distance from where the lock says the marker is, m.
+    pub distance_m: f64,
+    /// How far off the lock's word usually is there, m.
+    pub expected_m: f64,
+    /// Probability that the piece is that marker, against all other markers and against a ghost, 0 to 1.
+    pub confidence: f64,
+}
+
+/// A nameless trajectory that belongs to nothing.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GhostRefused {
+    /// What the file calls it.
+    pub piece: String,
+    /// The frames.
+    pub span: Span,
+    /// The marker it came nearest to by likelihood, if one was in a gap all the while.
+    pub nearest_marker: Option<String>,
+    /// Probability that it is a ghost or cannot be told whose it is, 0 to 1.
+    pub confidence: f64,
+}
+
+/// How a gap was filled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum FillMethod {
+    /// A straight line in head space between the ends.
+    Line,
+    /// A cubic in head space that keeps the velocity at both ends.
+    Cubic,
+    /// The nearest seen neighbors on the lock, with the offset at both ends carried over the gap.
+    Neighbors,
+    /// As [`FillMethod::Neighbors`], the offset keeping its rate of change at both ends.
+    NeighborsCubic,
+    /// Two neighbors on either side, with the offset carried over the gap.
+    Lock,
+    /// As [`FillMethod::Lock`], the offset keeping its rate of change at both ends.
+    LockCubic,
+}
+
+/// A gap that was filled, or the part of it in which the same neighbors were seen.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GapFilled {
+    /// The lock's name.
+    pub strand: String,
+    /// The marker's label.
+    pub marker: String,
+    /// The frames.
+    pub span: Span,
+    /// How, the best of all in trials on this marker's own seen frames.
+    pub method: FillMethod,
+    /// Root mean square error of the same fill at other times, where the marker was seen, m; of the fill's
+    /// own kind at other markers if this one was never seen long enough.
+    pub expected_error_m: f64,
+    /// At how many other times that was tried; 0 if the error is borrowed.
+    pub trials: usize,
+    /// Frames in which the lock's length forbade what the method said, and had its way.
+    pub shortened_frames: usize,
+}
+
+/// A gap that could not be filled.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Unfilled {
+    /// The marker's label.
+    pub marker: String,
+    /// The frames.
+    pub span: Span,
+    /// Why.
+    pub why: &'static str,
+}
+
+/// One marker over time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MarkerTimeline {
+    /// The lock's name.
+    pub strand: String,
+    /// The marker's label.
+    pub marker: String,
+    /// White noise of one coordinate, m; from the still frames where there are any.
+    pub noise_m: Option<f64>,
+    /// Root mean square distance between the marker and the prediction from its neighbors, m.
+    pub shape_residual_m: Option<f64>,
+    /// Frames in which the file's own label was seen and kept.
+    pub seen: Vec<Span>,
+    /// Frames taken from another label.
+    pub mended: Vec<Span>,
+    /// Frames taken from a nameless piece.
+    pub given_back: Vec<Span>,
+    /// Frames that no camera saw.
+    pub filled: Vec<Span>,
+}
+
+/// Where a sample of the cleaned tracks comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SampleKind {
+    /// There is none.
+    #[default]
+    Missing,
+    /// Seen by the cameras under its own label.
+    Seen,
+    /// Seen under another marker's label.
+    Mended,
+    /// Seen without a label.
+    GivenBack,
+    /// Not seen: filled.
+    Filled,
+}
+
+/// Where a sample comes from and how far it can be trusted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Sample {
+    /// Where it comes from.
+    pub kind: SampleKind,
+    /// Expected error (root mean square of the distance), m; infinite where there is no sample.
+    pub error_m: f64,
+}

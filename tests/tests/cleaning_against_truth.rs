@@ -1,0 +1,269 @@
+//! Cleaning against the truth of captures that a stranger does not have (`TOUSLE_SHARED`).
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot read its data has failed")]
+
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use tousle_bench::Truth;
+use tousle_clean::{CleanOptions, CleanReport, Cleaned, SampleKind, clean};
+use tousle_core::{HeadCapture, Track, Vec3};
+use tousle_head::{HeadOptions, locate_head};
+use tousle_ingest::{IngestOptions, read_capture, read_session};
+use tousle_tests::{name, shared_captures};
+
+/// Gaps by length: the last frame count of each class.
+const CLASSES: [usize; 5] = [10, 20, 40, 80, usize::MAX];
+
+/// A cleaned capture and what really was.
+struct Case {
+    raw: HeadCapture,
+    cleaned: Cleaned,
+    /// True positions, head space, m, `[marker][frame]`, markers in the session's order.
+    truth: Vec<Vec<Vec3>>,
+    events: Value,
+}
+
+impl Case {
+    fn open(folder: &Path) -> Self {
+        let name = name(folder);
+        let session = read_session(&fs::read(folder.join("session.json")).unwrap()).unwrap();
+        let bytes = fs::read(folder.join(format!("{name}.csv"))).unwrap();
+        let capture = read_capture(&bytes, &IngestOptions::from_session(&session)).unwrap().capture;
+        let raw = locate_head(&capture, &session, &HeadOptions::default()).unwrap().head;
+        let begin = std::time::Instant::now();
+        let cleaned = clean(&raw, &session, &CleanOptions::default()).unwrap();
+        println!("{name}: cleaned in {:.1} s", begin.elapsed().as_secs_f64());
+        let motion = Truth::open(folder).unwrap().markers().unwrap();
+        let n = session.strands.iter().map(|s| s.markers.len()).sum();
+        let track = |m: usize| {
+            let of_marker = motion.positions_m.iter().skip(m).step_by(n);
+            of_marker.map(|p| Vec3::from(p.map(f64::from))).collect()
+        };
+        let truth = (0..n).map(track).collect();
+        let facts = fs::read(folder.join("truth").join("truth.json")).unwrap();
+        let events = serde_json::from_slice::<Value>(&facts).unwrap()["events"].clone();
+        Self { raw, cleaned, truth, events }
+    }
+
+    fn report(&self) -> &CleanReport {
+        &self.cleaned.report
+    }
+
+    fn swaps(&self) -> &Vec<Value> {
+        self.events["label_swaps"].as_array().unwrap()
+    }
+
+    fn nameless(&self, kind: &str) -> Vec<&Value> {
+        self.events["ghosts"].as_array().unwrap().iter().filter(|g| g["kind"] == kind).collect()
+    }
+
+    /// Cleaned tracks, marker after marker, with where each sample comes from.
+    fn tracks(&self) -> impl Iterator<Item = (&Track, &Vec<tousle_clean::Sample>)> {
+        let tracks = self.cleaned.head.strands.iter().flat_map(|s| &s.markers);
+        tracks.zip(self.cleaned.samples.iter().flatten())
+    }
+}
+
+fn frames(event: &Value) -> (i64, i64) {
+    (event["first_frame"].as_i64().unwrap(), event["last_frame"].as_i64().unwrap())
+}
+
+/// Swaps with the right pair and, within two frames, the right span.
+fn swaps_found(case: &Case) -> usize {
+    let found = |event: &&Value| {
+        let (first, last) = frames(event);
+        let pair = BTreeSet::from([event["a"].as_str().unwrap(), event["b"].as_str().unwrap()]);
+        case.report().swaps.iter().any(|s| {
+            BTreeSet::from([s.markers[0].as_str(), s.markers[1].as_str()]) == pair
+                && s.span.first_frame.abs_diff(first) <= 2
+                && s.span.last_frame.abs_diff(last) <= 2
+        })
+    };
+    case.swaps().iter().filter(found).count()
+}
+
+/// Pieces given to the marker they are of.
+fn pieces_given_back(case: &Case) -> usize {
+    let given = |event: &&&Value| {
+        let (first, last) = frames(event);
+        case.report().given_back.iter().any(|g| {
+            g.marker == event["of"].as_str().unwrap()
+                && g.span.first_frame.abs_diff(first) <= 2
+                && g.span.last_frame.abs_diff(last) <= 2
+        })
+    };
+    case.nameless("unlabelled piece").iter().filter(given).count()
+}
+
+/// Ghosts that no marker got.
+fn ghosts_refused(case: &Case) -> usize {
+    let refused = |event: &&&Value| {
+        let (first, _) = frames(event);
+        case.report().ghosts.iter().any(|g| g.span.first_frame.abs_diff(first) <= 2)
+    };
+    case.nameless("ghost").iter().filter(refused).count()
+}
+
+#[test]
+fn swaps_are_found_pieces_given_back_and_ghosts_refused() {
+    for folder in shared_captures() {
+        let case = Case::open(&folder);
+        let report = case.report();
+        let (swaps, pieces, ghosts) =
+            (case.swaps().len(), case.nameless("unlabelled piece").len(), case.nameless("ghost").len());
+        let (found, given, refused) = (swaps_found(&case), pieces_given_back(&case), ghosts_refused(&case));
+        println!(
+            "  swaps {found}/{swaps} ({} claimed), pieces {given}/{pieces} ({} given), ghosts {refused}/{ghosts}, spikes {}",
+            report.swaps.len(),
+            report.given_back.len(),
+            report.spikes.len(),
+        );
+        for swap in &report.swaps {
+            println!("    {swap:?}");
+        }
+        for piece in &report.given_back {
+            println!("    {piece:?}");
+        }
+        for ghost in &report.ghosts {
+            println!("    {ghost:?}");
+        }
+        assert_eq!(report.swaps.len(), found, "false alarms among {:?}", report.swaps);
+        assert_eq!(found, swaps, "of {:?}", case.swaps());
+        assert_eq!(refused, ghosts);
+        assert_eq!(report.given_back.len(), given, "wrongly given: {:?}", report.given_back);
+        assert_eq!(report.spikes, [], "the captures have none");
+        // A piece in the middle of a long gap may be told from nothing: refusing is no lie.
+        assert!(3 * given >= 2 * pieces, "given {given} of {pieces}");
+    }
+}
+
+/// Squared errors of several ways to fill, by gap length.
+#[derive(Default)]
+struct Errors {
+    n: usize,
+    squares: [f64; 5],
+}
+
+#[test]
+fn gaps_are_filled_nearer_than_by_lines_and_splines() {
+    for folder in shared_captures() {
+        let case = Case::open(&folder);
+        let mut classes: [Errors; 5] = Default::default();
+        for (marker, (track, samples)) in case.tracks().enumerate() {
+            add_errors(&case, marker, track, samples, &mut classes);
+        }
+        println!("  gap frames |     n |   ours | expected | line | spline in head | in world   (rms, mm)");
+        let mut total = Errors::default();
+        for (class, most) in classes.iter().zip(CLASSES) {
+            let what = if most == usize::MAX { "more".to_owned() } else { format!("to {most}") };
+            print_row(&what, class);
+            total.n += class.n;
+            (0..5).for_each(|k| total.squares[k] += class.squares[k]);
+        }
+        print_row("all", &total);
+        let [ours, expected, line, spline, world] = total.squares.map(|s| (s / total.n as f64).sqrt());
+        assert!(
+            ours < 0.7 * line && ours < 0.7 * spline && ours < 0.7 * world,
+            "{ours} {line} {spline} {world}"
+        );
+        assert!(expected > 0.33 * ours && expected < 3.0 * ours, "expected {expected}, found {ours}");
+    }
+}
+
+fn print_row(what: &str, errors: &Errors) {
+    let rms = errors.squares.map(|s| format!("{:6.2}", 1e3 * (s / errors.n.max(1) as f64).sqrt()));
+    println!("  {what:>10} | {:5} | {}", errors.n, rms.join(" | "));
+}
+
+fn add_errors(
+    case: &Case,
+    marker: usize,
+    track: &Track,
+    samples: &[tousle_clean::Sample],
+    classes: &mut [Errors; 5],
+) {
+    let filled = |f: usize| samples[f].kind == SampleKind::Filled;
+    let seen: Track = track.iter().enumerate().map(|(f, p)| p.filter(|_| !filled(f))).collect();
+    // The session's places of the head markers carry a hand's error, which moves the whole head's axes: what
+    // is the same in all seen frames is none of the fill's.
+    let truth = &case.truth[marker];
+    let bias = (0..seen.n_frames()).filter_map(|f| Some(seen.at(f)? - truth[f])).sum::<Vec3>()
+        / seen.n_valid().max(1) as f64;
+    let pose = |f: usize| case.raw.poses[f].as_ref().map(|p| p.world_from_head);
+    let in_world = seen.map(|f, p| Some(pose(f)?.transform_point(&p.into()).coords));
+    let world_spline = spline(&in_world).map(|f, p| Some(pose(f)?.inverse_transform_point(&p.into()).coords));
+    let others = [line(&seen), spline(&seen), world_spline];
+    let mut start = 0;
+    while let Some(first) = (start..seen.n_frames()).find(|f| filled(*f)) {
+        let end = (first..seen.n_frames()).find(|f| !filled(*f)).unwrap_or(seen.n_frames());
+        let class = &mut classes[CLASSES.iter().position(|most| end - first <= *most).unwrap()];
+        for f in first..end {
+            let error = |t: &Track| t.at(f).map_or(0.0, |p| (p - truth[f] - bias).norm_squared());
+            class.n += 1;
+            class.squares[0] += error(track);
+            class.squares[1] += samples[f].error_m * samples[f].error_m;
+            (0..3).for_each(|k| class.squares[2 + k] += error(&others[k]));
+        }
+        start = end;
+    }
+}
+
+fn knots(track: &Track) -> Vec<(usize, Vec3)> {
+    track.iter().enumerate().filter_map(|(f, p)| Some((f, p?))).collect()
+}
+
+/// The knots round a frame: the last before or at it and the first after it, held at the ends.
+fn around(knots: &[(usize, Vec3)], frame: usize) -> Option<(usize, usize)> {
+    let after = knots.partition_point(|(f, _)| *f <= frame);
+    let last = knots.len().checked_sub(1)?;
+    Some((after.saturating_sub(1), after.min(last)))
+}
+
+fn line(track: &Track) -> Track {
+    let knots = knots(track);
+    let at = |f: usize| {
+        let (a, b) = around(&knots, f)?;
+        let ((fa, pa), (fb, pb)) = (knots[a], knots[b]);
+        Some(if fa < fb && fa <= f { pa + (pb - pa) * ((f - fa) as f64 / (fb - fa) as f64) } else { pb })
+    };
+    (0..track.n_frames()).map(at).collect()
+}
+
+/// The natural cubic spline through all samples; held before the first and after the last.
+fn spline(track: &Track) -> Track {
+    let knots = knots(track);
+    let n = knots.len();
+    // Second derivatives at the knots, by elimination of the tridiagonal system.
+    let mut second = vec![Vec3::zeros(); n];
+    let mut upper = vec![0.0; n];
+    let h = |k: usize| (knots[k + 1].0 - knots[k].0) as f64;
+    let slope = |k: usize| (knots[k + 1].1 - knots[k].1) / h(k);
+    for k in 1..n.saturating_sub(1) {
+        let diagonal = 2.0 * (h(k - 1) + h(k)) - h(k - 1) * upper[k - 1];
+        upper[k] = h(k) / diagonal;
+        second[k] = (6.0 * (slope(k) - slope(k - 1)) - h(k - 1) * second[k - 1]) / diagonal;
+    }
+    for k in (1..n.saturating_sub(1)).rev() {
+        second[k] = second[k] - upper[k] * second[k + 1];
+    }
+    let at = |f: usize| {
+        let (a, b) = around(&knots, f)?;
+        let ((fa, pa), (fb, pb)) = (knots[a], knots[b]);
+        if fa >= fb || f < fa {
+            return Some(pb);
+        }
+        let (h, u) = ((fb - fa) as f64, (f - fa) as f64 / (fb - fa) as f64);
+        let cubic = |u: f64| u * u * u - u;
+        Some(pa * (1.0 - u) + pb * u + (second[a] * cubic(1.0 - u) + second[b] * cubic(u)) * (h * h / 6.0))
+    };
+    (0..track.n_frames()).map(at).collect()
+}
+
+#[test]
+fn a_spline_keeps_a_straight_line() {
+    let track: Track = (0..9).map(|f| (!(3..7).contains(&f)).then(|| Vec3::x() * f64::from(f))).collect();
+    assert!((spline(&track).at(5).unwrap().x - 5.0).abs() < 1e-12);
+    assert!((line(&track).at(5).unwrap().x - 5.0).abs() < 1e-12);
+}
