@@ -74,7 +74,9 @@ fn best_exchange(
     least_gain: f64,
 ) -> Option<Exchange> {
     let broken = |b: &usize| {
-        let ends = step_at(&tracks[*b], frame).filter(|ends| ends.1 == frame)?;
+        // Asked first, as looking for the ends of a long gap in each of its frames would take the square of it.
+        tracks[*b].at(frame)?;
+        let ends = step_at(&tracks[*b], frame)?;
         Some(continuity.surprise(*b, &tracks[*b], ends)? > 3.0)
     };
     let mut best: Option<(f64, Exchange)> = None;

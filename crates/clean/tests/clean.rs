@@ -1,0 +1,200 @@
+//! The public door: a swinging wig of three locks, spoiled in every way, and mended.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use tousle_clean::{CleanError, CleanOptions, SampleKind, clean};
+use tousle_core::{
+    Body, HeadCapture, HeadPose, Pose, Session, StrandMarker, StrandSpec, StrandTracks, Track,
+    UnlabeledTrack, Vec3,
+};
+
+const N_FRAMES: usize = 360;
+const N_MARKERS: usize = 4;
+
+/// Three locks, 3 cm apart, four markers each, 3 cm apart.
+fn session() -> Session {
+    let marker = |k: usize, m: usize| StrandMarker {
+        label: format!("S{k}_{m}"),
+        distance_from_root_m: Some(0.03 * m as f64),
+        mass_kg: 1e-5,
+    };
+    let strand = |k: usize| StrandSpec {
+        name: format!("S{k}"),
+        length_m: 0.13,
+        linear_density_kg_per_m: 3e-3,
+        lock_width_m: 7e-3,
+        root_m: Vec3::new(0.0, 0.03 * k as f64, 0.0),
+        markers: (1..=N_MARKERS).map(|m| marker(k, m)).collect(),
+    };
+    Session {
+        name: "three locks".to_owned(),
+        subject: None,
+        rate_hz: Some(120.0),
+        unit: None,
+        up_axis: None,
+        still_frames: Some((1, 100)),
+        wind_start_frame: Some(101),
+        head_markers: Vec::new(),
+        body: Body::none(),
+        fans: Vec::new(),
+        air_density: 1.2,
+        strands: (0..3).map(strand).collect(),
+        assumed: Vec::new(),
+    }
+}
+
+/// A lock that hangs still for 100 frames, then swings and bends, with 0.1 mm of noise.
+fn position(k: usize, m: usize, frame: usize) -> Vec3 {
+    let secs = (frame.max(100) - 100) as f64 / 120.0;
+    let ramp = (secs * 4.0).min(1.0);
+    let mut p = Vec3::new(0.0, 0.03 * k as f64, 0.0);
+    for j in 1..=m {
+        let bend = j as f64 * 0.15;
+        let phase = 9.0 * secs + 0.8 * k as f64 - bend;
+        let (sin, cos) = libm::sincos(ramp * (0.4 * libm::sin(phase) + 0.2 * libm::sin(1.7 * phase + bend)));
+        p += 0.03 * Vec3::new(sin, 0.0, -cos);
+    }
+    let noise = |axis: usize| {
+        let seed = ((frame * 31 + k * 7 + m) * 3 + axis) as u64;
+        let mixed = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let hash = (mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        ((hash >> 40) as f64 / (1u64 << 24) as f64 - 0.5) * 3.5e-4
+    };
+    p + Vec3::new(noise(0), noise(1), noise(2))
+}
+
+fn capture() -> HeadCapture {
+    let track = |k: usize, m: usize| (0..N_FRAMES).map(|f| Some(position(k, m, f))).collect();
+    let strand =
+        |k: usize| StrandTracks { strand_idx: k, markers: (1..=N_MARKERS).map(|m| track(k, m)).collect() };
+    let pose = HeadPose { world_from_head: Pose::identity(), fit_residual_m: 0.0, n_used: 8, n_visible: 8 };
+    HeadCapture {
+        rate_hz: 120.0,
+        first_frame: 1,
+        poses: vec![Some(pose); N_FRAMES],
+        strands: (0..3).map(strand).collect(),
+        unlabeled: Vec::new(),
+    }
+}
+
+/// Root mean square distance from what was there before it was spoiled, m.
+fn error(head: &HeadCapture, k: usize, m: usize, frames: std::ops::Range<usize>) -> f64 {
+    let n = frames.len() as f64;
+    let track = &head.strands[k].markers[m - 1];
+    (frames.map(|f| (track.at(f).unwrap() - position(k, m, f)).norm_squared()).sum::<f64>() / n).sqrt()
+}
+
+#[test]
+fn what_is_clean_is_left_alone() {
+    let head = capture();
+    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    assert_eq!(cleaned.head, head);
+    let report = &cleaned.report;
+    assert!(report.swaps.is_empty() && report.spikes.is_empty() && report.gaps.is_empty());
+    assert!(
+        cleaned.samples.iter().flatten().flatten().all(|s| s.kind == SampleKind::Seen && s.error_m < 4e-4)
+    );
+    // Uniform noise 0.35 mm wide has a deviation of 0.1 mm.
+    let noise_m = report.markers[0].noise_m.unwrap();
+    assert!((noise_m - 1e-4).abs() < 4e-5, "{noise_m}");
+}
+
+#[test]
+fn a_swap_is_mended_and_named() {
+    let mut head = capture();
+    for f in 200..260 {
+        let a = head.strands[0].markers[2].at(f);
+        let b = head.strands[1].markers[2].at(f);
+        head.strands[0].markers[2].set(f, b);
+        head.strands[1].markers[2].set(f, a);
+    }
+    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    assert_eq!(cleaned.head, capture());
+    let [swap] = &cleaned.report.swaps[..] else { panic!("{:?}", cleaned.report.swaps) };
+    assert_eq!(swap.markers, ["S0_3", "S1_3"]);
+    assert_eq!((swap.span.first_frame, swap.span.last_frame), (201, 260));
+    assert_eq!(cleaned.samples[0][2][230].kind, SampleKind::Mended);
+    assert_eq!(cleaned.samples[0][2][260].kind, SampleKind::Seen);
+}
+
+#[test]
+fn a_swap_from_the_first_frame_is_told_by_the_lock() {
+    let mut head = capture();
+    for f in 0..150 {
+        let a = head.strands[0].markers[0].at(f);
+        let b = head.strands[2].markers[3].at(f);
+        head.strands[0].markers[0].set(f, b);
+        head.strands[2].markers[3].set(f, a);
+    }
+    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    assert_eq!(cleaned.head, capture());
+    assert_eq!(cleaned.report.swaps[0].span.first_frame, 1);
+    assert_eq!(cleaned.report.swaps[0].span.last_frame, 150);
+}
+
+#[test]
+fn a_spike_is_cut_and_a_gap_filled_with_the_error_it_has() {
+    let mut head = capture();
+    let spiked = head.strands[1].markers[1].at(220).map(|p| p + Vec3::new(0.0, 0.0, 0.03));
+    head.strands[1].markers[1].set(220, spiked);
+    (240..285).for_each(|f| head.strands[2].markers[2].set(f, None));
+    (320..N_FRAMES).for_each(|f| head.strands[0].markers[3].set(f, None));
+    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    let report = &cleaned.report;
+    assert_eq!(report.spikes.len(), 1);
+    assert_eq!((report.spikes[0].marker.as_str(), report.spikes[0].span.first_frame), ("S1_2", 221));
+    assert_eq!(report.gaps.len(), 3);
+    for (k, m, frames) in [(1, 2, 220..221), (2, 3, 240..285), (0, 4, 320..N_FRAMES)] {
+        let found = error(&cleaned.head, k, m, frames.clone());
+        let gap = report.gaps.iter().find(|g| g.marker == format!("S{k}_{m}")).unwrap();
+        assert!(found < 3e-3 && found < 3.0 * gap.expected_error_m + 2e-4, "{found}: {gap:?}");
+        assert!(frames.clone().all(|f| cleaned.samples[k][m - 1][f].kind == SampleKind::Filled));
+    }
+}
+
+#[test]
+fn a_piece_is_given_back_and_a_ghost_refused() {
+    let mut head = capture();
+    let mut piece = Track::missing(N_FRAMES);
+    for f in 150..230 {
+        head.strands[1].markers[2].set(f, None);
+        if (170..200).contains(&f) {
+            piece.set(f, Some(position(1, 3, f)));
+        }
+    }
+    let mut ghost = Track::missing(N_FRAMES);
+    (160..190).for_each(|f| ghost.set(f, Some(Vec3::new(0.04, 0.05, 0.03))));
+    head.unlabeled.push(UnlabeledTrack { label: "*1".to_owned(), track: ghost });
+    head.unlabeled.push(UnlabeledTrack { label: "*2".to_owned(), track: piece });
+    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    let [given] = &cleaned.report.given_back[..] else { panic!("{:?}", cleaned.report.given_back) };
+    assert_eq!((given.piece.as_str(), given.marker.as_str()), ("*2", "S1_3"));
+    assert_eq!((given.span.first_frame, given.span.last_frame), (171, 200));
+    assert_eq!(cleaned.report.ghosts.len(), 1);
+    assert_eq!(cleaned.report.ghosts[0].piece, "*1");
+    assert_eq!(cleaned.head.unlabeled.len(), 1, "only the ghost is left");
+    assert_eq!(cleaned.samples[1][2][180].kind, SampleKind::GivenBack);
+    assert!(error(&cleaned.head, 1, 3, 170..200) < 1e-12);
+}
+
+#[test]
+fn a_marker_never_seen_stays_missing_and_is_named() {
+    let mut head = capture();
+    head.strands[0].markers[1] = Track::missing(N_FRAMES);
+    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    assert_eq!(cleaned.report.unfilled.len(), 1);
+    assert_eq!(cleaned.report.unfilled[0].marker, "S0_2");
+    assert_eq!(cleaned.samples[0][1][7].kind, SampleKind::Missing);
+    assert!(cleaned.samples[0][1][7].error_m.is_infinite());
+}
+
+#[test]
+fn another_sessions_locks_are_an_error() {
+    let mut head = capture();
+    head.strands[1].markers.pop();
+    let error = clean(&head, &session(), &CleanOptions::default()).unwrap_err();
+    assert!(matches!(error, CleanError::Markers { strand_idx: 1, found: 3, expected: 4 }));
+    assert_eq!(error.to_string(), "lock 1 of the capture: found 3 markers, expected 4 as in the session");
+    head.strands.pop();
+    assert!(matches!(clean(&head, &session(), &CleanOptions::default()), Err(CleanError::Locks { .. })));
+}
