@@ -130,6 +130,30 @@ fn a_heads_acceleration_is_gravity_tilted() {
     assert!(apart < 2e-4, "{apart}");
 }
 
+/// A limp strand whose root is the pivot does not know that the head turns: it stays where it is in the world.
+/// As the head sees it, Euler's, Coriolis' and the centrifugal force swing it round.
+#[test]
+fn a_turning_head_leaves_a_limp_strand_behind() {
+    let rate_hz = 240.0;
+    let angle = |t: f64| 0.75 * (1.0 - libm::cos(core::f64::consts::PI * t.clamp(0.0, 1.0)));
+    let pose = |k: i32| {
+        let turn = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::z() * angle(f64::from(k) / rate_hz));
+        Pose::from_parts(Vec3::zeros().into(), turn)
+    };
+    let poses = PoseTrack { start_secs: -0.5, rate_hz, poses: (-120..=360).map(pose).collect() };
+    let scene = Scene { poses, ..vacuum(Vec3::zeros()) };
+    let field = uniform(Quantity::ForcePerMass, 1.0, &[Vec3::zeros()]);
+    for n_sticks in [1, 6] {
+        let mut limp = straight(Vec3::zeros(), Vec3::new(1.0, 0.0, 0.4), 0.2, n_sticks);
+        limp.bending_stiffness_n_m2 = 0.0;
+        let options = options(Integrator::Exponential, 1.0 / 960.0, 1.0);
+        let motion = run(&field, &scene, vec![limp], &options).unwrap().motion;
+        let tip = track(&motion, n_sticks);
+        let turned = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::z() * -angle(1.0)) * tip[0];
+        assert!((tip[60] - turned).norm() < 2e-3, "{n_sticks}: {} against {turned}", tip[60]);
+    }
+}
+
 /// Without anything to lose it to, a limp chain keeps its energy: the height it swings back to does not change.
 #[test]
 fn a_swing_keeps_its_energy() {
