@@ -114,8 +114,8 @@ pub struct GapFilled {
     pub span: Span,
     /// How, the best of all in trials on this marker's own seen frames.
     pub method: FillMethod,
-    /// Root mean square error of the same fill at other times, where the marker was seen, m; of the fill's
-    /// own kind at other markers if this one was never seen long enough.
+    /// Root mean square error of the same fill at other times, where the marker was seen, m; raised where the
+    /// lock took a shape that those times did not show; the worst of all other gaps' where there are no trials.
     pub expected_error_m: f64,
     /// At how many other times that was tried; 0 if the error is borrowed.
     pub trials: usize,

@@ -1,7 +1,7 @@
 //! Where a marker is, told from its neighbors on the lock.
 
 use crate::lock::Locks;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::ops::Range;
 use tousle_core::{Track, Vec3};
 
@@ -25,7 +25,10 @@ pub(crate) struct ShapeModel<'a> {
 
 /// The learned offset.
 #[derive(Clone, Debug)]
-pub(crate) struct Coefficients(DMatrix<f64>);
+pub(crate) struct Coefficients {
+    of_features: DMatrix<f64>,
+    gram: Cholesky<f64, Dyn>,
+}
 
 impl<'a> ShapeModel<'a> {
     /// The model of `target` from at most `per_side` seen neighbors on either side; `None` without any, or if
@@ -111,13 +114,21 @@ impl<'a> ShapeModel<'a> {
             // The constant is not held back, or markers would be drawn to where hands measured them.
             gram[(k, k)] += if k + 1 == width { 1e-9 } else { ridge };
         }
-        Some(Coefficients(gram.cholesky()?.solve(&cross)))
+        let gram = gram.cholesky()?;
+        Some(Coefficients { of_features: gram.solve(&cross), gram })
     }
 
     /// Where the target is in a frame, head space, m; `None` if a neighbor is not seen.
     pub(crate) fn predict(&self, coefficients: &Coefficients, frame: usize) -> Option<Vec3> {
-        let offset = coefficients.0.tr_mul(&(self.raw_features(frame)? - &self.center));
+        let offset = coefficients.of_features.tr_mul(&(self.raw_features(frame)? - &self.center));
         Some(self.base(frame)? + Vec3::new(offset[0], offset[1], offset[2]))
+    }
+
+    /// How far the neighbors in a frame are from where they were in the frames that were learned from: the share
+    /// of the offset's variance that this adds to a prediction, up to a factor (the regression's leverage).
+    pub(crate) fn novelty(&self, coefficients: &Coefficients, frame: usize) -> Option<f64> {
+        let x = self.raw_features(frame)? - &self.center;
+        Some(coefficients.gram.solve(&x).dot(&x))
     }
 
     fn raw_features(&self, frame: usize) -> Option<DVector<f64>> {
