@@ -2,7 +2,7 @@
 //!
 //! [`fit`] turns marker positions in head space into one vector of wind per marker and time step. Method `paper`
 //! is the 2008 equation E3 in its three readings ([`PaperReading`]); what blows outside the grid follows from
-//! the fans ([`outside`]).
+//! the fans ([`outside_direction`]).
 
 mod outside;
 mod paper;
