@@ -35,7 +35,7 @@ pub struct Layers {
 /// key and after its second the field is unchanged to the bit. Edits of one list are all made from the given
 /// motion and know nothing of each other. To correct an edit once more, as the paper does until the animator is
 /// content, give the field and the motion with it: the new layer adds what is still missing.
-/// Source: Kazama et al. 2008, section 4, E4 (`docs/equations-edit.md`).
+/// Source: Kazama et al. 2008, section 4, E4 (`docs/equations.md`).
 ///
 /// # Errors
 /// [`EditError`] if the field cannot be sampled, the motion is not of this groom, or an edit names what is not

@@ -24,7 +24,7 @@ impl Pull {
     /// α = 2 (target − current) / s². `current` is where the unedited motion has the point at the second key.
     /// The sign is that of E3, towards the target; as printed it points away. s² is that of [`PaperSpan`], in
     /// which the time between the keys is shortened by as much as the layer takes to come and go
-    /// (`docs/equations-edit.md`).
+    /// (`docs/equations.md`).
     pub(crate) fn acceleration(&self, current_m: Vec3, target_m: Vec3, length_m: f64) -> Vec3 {
         let between_keys = self.span_secs * self.span_secs * gain(self.ease);
         // The root does not move: 0 of 0 must be none.

@@ -118,7 +118,7 @@ offset_m = [0, 0.02, 0.05]
 
     #[test]
     fn the_example_in_the_documentation_is_read() {
-        let docs = include_str!("../../../docs/equations-edit.md");
+        let docs = include_str!("../../../docs/equations.md");
         let example = docs.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
         let list = read_edits(example.as_bytes()).unwrap();
         assert_eq!(
