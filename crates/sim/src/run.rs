@@ -189,26 +189,25 @@ fn single(point: Vec3) -> [f32; 3] {
 
 /// The largest change of any stick's length, as a share of it, over all frames.
 fn max_stretch(motion: &StrandMotion) -> f64 {
-    let length = |frame: usize, k: usize| {
-        let [a, b] = [k, k + 1].map(|k| Vec3::from(motion.frame(frame)[k].map(f64::from)));
-        (b - a).norm()
+    let n_points = motion.n_points();
+    let lengths = |frame: &[[f32; 3]]| -> Vec<f64> {
+        let mut lengths = Vec::with_capacity(n_points);
+        let mut strand = frame;
+        for n in &motion.counts {
+            let (points, rest) = strand.split_at(*n);
+            let length =
+                |p: &[[f32; 3]]| (Vec3::from(p[1].map(f64::from)) - Vec3::from(p[0].map(f64::from))).norm();
+            lengths.extend(points.windows(2).map(length));
+            strand = rest;
+        }
+        lengths
     };
-    let mut tips = Vec::new();
-    let mut end = 0;
-    for n in &motion.counts {
-        end += n;
-        tips.push(end - 1);
-    }
-    (0..motion.n_points())
-        .into_par_iter()
-        .filter(|k| tips.binary_search(k).is_err())
-        .map(|k| {
-            let at_rest = length(0, k);
-            (1..motion.times_secs.len())
-                .map(|frame| (length(frame, k) / at_rest - 1.0).abs())
-                .fold(0.0, f64::max)
-        })
-        .reduce(|| 0.0, f64::max)
+    let at_rest = lengths(&motion.positions_m[..n_points]);
+    let stretch = |frame: &[[f32; 3]]| {
+        let changes = lengths(frame).into_iter().zip(&at_rest).map(|(now, rest)| (now / rest - 1.0).abs());
+        changes.fold(0.0, f64::max)
+    };
+    motion.positions_m.par_chunks_exact(n_points).map(stretch).reduce(|| 0.0, f64::max)
 }
 
 /// What the groom's reader assumed, and what this run did.
