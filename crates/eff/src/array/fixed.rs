@@ -5,14 +5,17 @@
 //! n-dimensional scalar fields", the Lorenzo predictor). What is left after that prediction is what remains
 //! after taking differences along z, then y, then x; so a reader takes running sums along each axis.
 
-use super::{Shape, Unpackable, planes};
+use super::{Shape, Unpackable, bytes_of, planes};
 use crate::wire::proto::{self, Encoding};
 
 /// Packs numbers as multiples of a quantum that keeps every one within `max_error`, what a float rounds
 /// included. 16 bits if they suffice, else 32.
 pub(super) fn pack(values: &[f32], shape: Shape, max_error: f64) -> Result<proto::Array, Unpackable> {
     let largest = values.iter().copied().fold(0.0, |a: f32, v| if v.abs() <= a { a } else { v.abs() });
-    let unpackable = || Unpackable { found: largest, expected: format!("what {max_error} can be kept for") };
+    let unpackable = || {
+        let expected = format!("values small enough that single precision keeps them within {max_error}");
+        Unpackable { found: largest, expected }
+    };
     if !largest.is_finite() {
         return Err(unpackable());
     }
@@ -26,15 +29,14 @@ pub(super) fn pack(values: &[f32], shape: Shape, max_error: f64) -> Result<proto
         return Err(unpackable());
     }
     let multiples: Vec<i32> = values.iter().map(|v| (f64::from(*v) / quantum).round() as i32).collect();
-    let n = values.len();
     if multiples.iter().all(|m| i16::try_from(*m).is_ok()) {
         let narrow: Vec<i16> = multiples.iter().map(|m| *m as i16).collect();
         let left = differences(narrow, shape, i16::wrapping_sub);
-        let data = planes::split(left.into_iter().map(|d| ((d << 1) ^ (d >> 15)).to_le_bytes()), n);
+        let data = planes::split(&bytes_of(&left, |d| ((d << 1) ^ (d >> 15)).to_le_bytes()));
         Ok(proto::Array { encoding: Encoding::Fixed16 as i32, quantum, data })
     } else {
         let left = differences(multiples, shape, i32::wrapping_sub);
-        let data = planes::split(left.into_iter().map(|d| ((d << 1) ^ (d >> 31)).to_le_bytes()), n);
+        let data = planes::split(&bytes_of(&left, |d| ((d << 1) ^ (d >> 31)).to_le_bytes()));
         Ok(proto::Array { encoding: Encoding::Fixed32 as i32, quantum, data })
     }
 }
@@ -42,11 +44,17 @@ pub(super) fn pack(values: &[f32], shape: Shape, max_error: f64) -> Result<proto
 /// The numbers that [`pack`] packed; `width` bytes each, 2 or 4.
 pub(super) fn unpack(data: &[u8], width: usize, quantum: f64, shape: Shape) -> Vec<f32> {
     if width == 2 {
-        let left = planes::join(data).map(u16::from_le_bytes).map(|d| (d >> 1) as i16 ^ -((d & 1) as i16));
+        let left = planes::join(data)
+            .into_iter()
+            .map(u16::from_le_bytes)
+            .map(|d| (d >> 1) as i16 ^ -((d & 1) as i16));
         let multiples = sums(left.collect(), shape, i16::wrapping_add);
         multiples.into_iter().map(|m| (f64::from(m) * quantum) as f32).collect()
     } else {
-        let left = planes::join(data).map(u32::from_le_bytes).map(|d| (d >> 1) as i32 ^ -((d & 1) as i32));
+        let left = planes::join(data)
+            .into_iter()
+            .map(u32::from_le_bytes)
+            .map(|d| (d >> 1) as i32 ^ -((d & 1) as i32));
         let multiples = sums(left.collect(), shape, i32::wrapping_add);
         multiples.into_iter().map(|m| (f64::from(m) * quantum) as f32).collect()
     }

@@ -76,6 +76,11 @@ pub(super) fn check(manifest: &Manifest, edits: &Edits, head: &Head<'_>) -> Resu
     if let Some(finding) = findings.into_first_error() {
         return Err(EffError::bad(finding.what, finding.found, finding.expected));
     }
+    if let Encoding::Fixed { max_error } = manifest.field.encoding.encoding()
+        && max_error <= 0.0
+    {
+        return Err(EffError::bad("max_error", max_error, "a number above 0"));
+    }
     let mut numbers: Vec<(&str, f64)> = vec![
         ("field.grid.edge_m", head.grid.edge_m),
         ("scene.air_density", head.scene.air_density),
