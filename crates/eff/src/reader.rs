@@ -1,14 +1,17 @@
 mod index;
 mod part;
 
+use crate::decode::Stamp;
 use crate::finding::Place;
 use crate::format::{time_ns, topic};
 use crate::manifest::Manifest;
 use crate::record::{self, Message, Record};
+use crate::recover::attachment_at;
 use crate::scan::chunk::{InChunk, records_in, unpack};
 use crate::scan::facts::ChunkFacts;
 use crate::scan::{Findings, at, broken, check_crc};
-use crate::{Code, EffError, check, decode};
+use crate::wire::proto::FieldStep;
+use crate::{Attachment, Code, EffError, check, decode};
 use index::Index;
 pub use part::Part;
 use std::io::{Read, Seek, SeekFrom};
@@ -85,27 +88,39 @@ impl<R: Read + Seek> Reader<R> {
         if k >= self.n_steps() {
             return Ok(None);
         }
+        let packed = self.packed_step(k)?;
+        let place = Place { channel: Some(topic::FIELD), time_ns: Some(packed.time_ns), offset: None };
+        decode::unpack_step(packed, &self.manifest.field, place).map(Some).map_err(first)
+    }
+
+    /// Reads one step and leaves its arrays packed.
+    pub(crate) fn packed_step(&mut self, k: u64) -> Result<FieldStep, EffError> {
         let manifest = &self.manifest;
-        let info = &manifest.field;
-        let secs = info.step_secs(k);
+        let secs = manifest.field.step_secs(k);
         // Another program may round a half nanosecond the other way.
         let time = time_ns(secs).unwrap_or(u64::MAX);
         let near = (time.saturating_sub(1), time.saturating_add(1));
         let mut step = None;
         each_message(&mut self.input, &self.index, topic::FIELD, Some(near), &mut |message, place| {
-            let (stamp, field) = decode::step(message.data, manifest, place).map_err(first)?;
+            let packed = decode::packed_step(message.data, manifest, place)?;
+            let stamp = Stamp { index: packed.index, time_ns: packed.time_ns };
             let mut findings = Findings::first_error();
             check::stamp(stamp, k, secs, message.log_time, place, &mut findings);
-            step = Some(field);
+            step = Some(packed);
             fail(findings)
         })?;
-        match step {
-            Some(step) => Ok(Some(step)),
-            None => {
-                let place = Place { channel: Some(topic::FIELD), time_ns: Some(time), offset: None };
-                Err(place.finding(Code::Count, format!("step {k}"), "none at its time", "one").into())
-            }
-        }
+        step.ok_or_else(|| {
+            let place = Place { channel: Some(topic::FIELD), time_ns: Some(time), offset: None };
+            place.finding(Code::Count, format!("step {k}"), "none at its time", "one").into()
+        })
+    }
+
+    /// Reads all attachments.
+    ///
+    /// # Errors
+    /// [`EffError::Unsound`] if one is not sound, [`EffError::Io`] if the stream fails.
+    pub fn attachments(&mut self) -> Result<Vec<Attachment>, EffError> {
+        self.index.attachments.iter().map(|offset| attachment_at(&mut self.input, *offset)).collect()
     }
 
     /// Reads all poses.
@@ -174,10 +189,7 @@ fn each_message<R: Read + Seek>(
 ) -> Result<(), EffError> {
     let Some(channel_id) = index.channel(topic) else { return Ok(()) };
     let (first, last) = within.unwrap_or((0, u64::MAX));
-    for chunk in index.chunks_with(channel_id) {
-        if chunk.end_time < first || chunk.start_time > last {
-            continue;
-        }
+    for chunk in index.chunks_within(channel_id, first, last) {
         let unpacked = read_chunk(input, chunk)?;
         let place = Place { channel: Some(topic), ..at(chunk.offset) };
         for record in records_in(&unpacked) {

@@ -8,6 +8,7 @@ use crate::scan::chunk::{InChunk, records_in};
 use crate::wire::edits::Edits;
 use crate::wire::proto::FieldStep;
 use crate::{Code, EffError, VERSION, WriteReport, Writer, decode, record};
+pub(crate) use inventory::attachment_at;
 use inventory::{Inventory, Place as Where};
 use serde::Serialize;
 use std::io::{Read, Seek, Write};
@@ -73,7 +74,7 @@ pub fn recover<R: Read + Seek, W: Write>(
     let edits = found.edits.take().unwrap_or(Edits { layers: Vec::new() });
     let mut writer = Writer::begin(out, manifest, &edits, &poses)?;
     for &offset in &found.attachments {
-        writer.attachment(&inventory::attachment(&mut input, offset)?)?;
+        writer.attachment(&attachment_at(&mut input, offset)?)?;
     }
     for k in 0..found.n_samples() {
         match found.samples.get(&k) {

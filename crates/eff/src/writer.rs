@@ -1,4 +1,4 @@
-mod head;
+pub(crate) mod head;
 
 use crate::array::{self, Encoding, Shape};
 use crate::finding::Place;
@@ -122,7 +122,7 @@ impl<W: Write> Writer<W> {
     pub fn new(out: W, head: &Head<'_>, options: &WriteOptions) -> Result<Self, EffError> {
         let manifest = head::manifest(head, options.encoding);
         let edits = Edits { layers: head.layers.iter().map(Into::into).collect() };
-        head::check(&manifest, &edits, head)?;
+        head::check(&manifest, &edits)?;
         Self::begin(out, manifest, &edits, &head.scene.poses.poses)
     }
 

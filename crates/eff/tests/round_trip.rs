@@ -6,8 +6,9 @@ mod arbitrary;
 
 use arbitrary::{any_eff, small};
 use proptest::prelude::*;
+use std::io::Cursor;
 use tousle_core::NoProgress;
-use tousle_eff::{Eff, Encoding, ReadOptions, WriteOptions, inspect, read, validate, write};
+use tousle_eff::{Eff, Encoding, ReadOptions, WriteOptions, inspect, read, replace_layers, validate, write};
 
 fn written(eff: &Eff, options: &WriteOptions) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -105,4 +106,22 @@ fn a_file_that_unpacks_to_too_much_is_refused() {
     let error = read(&bytes[..], &options).unwrap_err().to_string();
     // 24 voxels x (3 + 1 floats, 1 flag) = 408 bytes a step: the third is too much.
     assert_eq!(error, "the steps of the file take 1224 bytes of memory, expected at most 1000");
+}
+
+/// An edit of a file that has lost something in packing loses nothing more.
+#[test]
+fn edits_are_replaced_and_nothing_else() {
+    let eff = small();
+    let bytes = written(&eff, &WriteOptions::with_encoding(Encoding::Fixed { max_error: 1e-3 }));
+    let layers = [arbitrary::layer("new"), arbitrary::layer("newer")];
+    let mut edited = Vec::new();
+    replace_layers(Cursor::new(&bytes), &layers, &mut edited, &NoProgress).unwrap();
+    let mut expected = read(&bytes[..], &ReadOptions::default()).unwrap();
+    expected.field.layers = layers.to_vec();
+    assert_eq!(read(&edited[..], &ReadOptions::default()).unwrap(), expected);
+    let mut back = Vec::new();
+    replace_layers(Cursor::new(&edited), &eff.field.layers, &mut back, &NoProgress).unwrap();
+    assert_eq!(back, bytes);
+    let twice = [arbitrary::layer("new"), arbitrary::layer("new")];
+    assert!(replace_layers(Cursor::new(&bytes), &twice, Vec::new(), &NoProgress).is_err());
 }

@@ -21,6 +21,10 @@ pub(super) struct Index {
     channels: BTreeMap<&'static str, u16>,
     counts: BTreeMap<u16, u64>,
     chunks: Vec<ChunkFacts>,
+    /// Which chunks hold messages of a channel, in the file's order.
+    by_channel: BTreeMap<u16, Vec<usize>>,
+    /// Where the attachments are.
+    pub attachments: Vec<u64>,
 }
 
 /// The footer and the magic after it.
@@ -42,9 +46,15 @@ impl Index {
         self.chunks.iter().map(|c| c.offset).collect()
     }
 
-    /// The chunks that hold messages of a channel, in the file's order.
-    pub fn chunks_with(&self, channel_id: u16) -> impl Iterator<Item = &ChunkFacts> {
-        self.chunks.iter().filter(move |c| c.message_index_offsets.contains_key(&channel_id))
+    /// The chunks that hold messages of a channel at times from `first` to `last`, in the file's order.
+    ///
+    /// A channel's messages come in the order of their times, and so do their chunks: nothing before the first
+    /// chunk that ends late enough and nothing after the last that begins early enough is looked at.
+    pub fn chunks_within(&self, channel_id: u16, first: u64, last: u64) -> impl Iterator<Item = &ChunkFacts> {
+        let chunks = self.by_channel.get(&channel_id).map_or(&[][..], Vec::as_slice);
+        let start = chunks.partition_point(|k| self.chunks[*k].end_time < first);
+        let chunks = chunks[start..].iter().map(|k| &self.chunks[*k]);
+        chunks.take_while(move |chunk| chunk.start_time <= last)
     }
 
     /// Reads a file's ends: its header, its footer and the summary before it.
@@ -53,7 +63,7 @@ impl Index {
         input.seek(SeekFrom::Start(0))?;
         check_header(input)?;
         let summary_start = read_footer(input, length)?;
-        let (summary, length) = (read_summary(input, summary_start, length)?, length);
+        let summary = read_summary(input, summary_start, length)?;
         let (version, channels) = check_channels(&summary)?;
         let Some(statistics) = summary.statistics else {
             return Err(at(summary_start).finding(Code::Summary, "statistics", "none", "one record").into());
@@ -63,7 +73,20 @@ impl Index {
             let expected = format!("chunks within the file's {length} bytes");
             return Err(at(summary_start).finding(Code::Summary, "chunk index", found, expected).into());
         }
-        Ok(Self { version, channels, counts: statistics.channel_message_counts, chunks: summary.chunks })
+        let mut by_channel: BTreeMap<u16, Vec<usize>> = BTreeMap::new();
+        for (k, chunk) in summary.chunks.iter().enumerate() {
+            for channel_id in chunk.message_index_offsets.keys() {
+                by_channel.entry(*channel_id).or_default().push(k);
+            }
+        }
+        Ok(Self {
+            version,
+            channels,
+            counts: statistics.channel_message_counts,
+            chunks: summary.chunks,
+            by_channel,
+            attachments: summary.attachments.iter().map(|a| a.offset).collect(),
+        })
     }
 }
 

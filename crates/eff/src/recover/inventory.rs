@@ -44,7 +44,7 @@ impl Inventory {
         for (offset, opcode) in inventory.records(input)? {
             match opcode {
                 op::CHUNK => inventory.chunk(input, offset, &mut data)?,
-                op::ATTACHMENT => match attachment(input, offset) {
+                op::ATTACHMENT => match attachment_at(input, offset) {
                     Ok(_) => inventory.attachments.push(offset),
                     Err(error) => inventory.lose(format!("the attachment at byte {offset}"), error)?,
                 },
@@ -239,7 +239,7 @@ pub(super) fn chunk<R: Read + Seek>(input: &mut R, offset: u64) -> Result<Vec<u8
 }
 
 /// The attachment at a place, if its checksum holds.
-pub(super) fn attachment<R: Read + Seek>(input: &mut R, offset: u64) -> Result<Attachment, EffError> {
+pub(crate) fn attachment_at<R: Read + Seek>(input: &mut R, offset: u64) -> Result<Attachment, EffError> {
     let (opcode, body) = record_at(input, offset)?;
     let Ok(Record::Attachment(a)) = record::parse(opcode, &body) else {
         return Err(at(offset).finding(Code::Record, "record", record::name(opcode), "an attachment").into());

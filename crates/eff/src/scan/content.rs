@@ -18,8 +18,9 @@ pub(super) struct Content<'v> {
     n_poses: u64,
     n_samples: u64,
     n_steps: u64,
-    /// The voxels that held samples at the field's steps, to compare with the flags.
-    sampled: Vec<BTreeSet<usize>>,
+    /// The voxels that held samples at the field's steps, to compare with the flags. They come long before the
+    /// flags do, so they are kept small.
+    sampled: Vec<Box<[u32]>>,
 }
 
 impl<'v> Content<'v> {
@@ -199,12 +200,12 @@ impl<'v> Content<'v> {
         };
         check::stamp(stamp, k, manifest.field.step_secs(k), message.log_time, place, findings);
         if let Some(voxels) = self.sampled.get(k as usize) {
-            let unflagged: Vec<_> =
-                voxels.iter().filter(|v| step.flags[**v] != VoxelFlag::Measured).collect();
-            if let Some(first) = unflagged.first() {
+            let flag = |voxel: u32| step.flags[voxel as usize];
+            let unflagged: Vec<u32> =
+                voxels.iter().copied().filter(|v| flag(*v) != VoxelFlag::Measured).collect();
+            if let Some(&first) = unflagged.first() {
                 let what = format!("flags[{first}]");
-                let found =
-                    format!("{:?} where a sample is ({} such voxels)", step.flags[**first], unflagged.len());
+                let found = format!("{:?} where a sample is ({} such voxels)", flag(first), unflagged.len());
                 findings.push(place.finding(Code::FlagSamples, what, found, "measured"));
             }
         }
@@ -252,8 +253,10 @@ impl<'v> Content<'v> {
     }
 }
 
-/// The voxels that hold samples.
-fn voxels_of(samples: &[WindSample], manifest: &Manifest) -> BTreeSet<usize> {
+/// The voxels that hold samples, each once.
+fn voxels_of(samples: &[WindSample], manifest: &Manifest) -> Box<[u32]> {
     let grid = manifest.field.grid.spec();
-    samples.iter().filter_map(|s| grid.voxel_at(s.position_m)).map(|v| grid.flat(v)).collect()
+    let voxels: BTreeSet<u32> =
+        samples.iter().filter_map(|s| grid.voxel_at(s.position_m)).map(|v| grid.flat(v) as u32).collect();
+    voxels.into_iter().collect()
 }

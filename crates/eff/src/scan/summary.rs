@@ -13,7 +13,7 @@ pub(crate) struct Summary {
     pub channels: BTreeMap<u16, Vec<u8>>,
     pub statistics: Option<Statistics>,
     pub chunks: Vec<ChunkFacts>,
-    attachments: Vec<AttachmentFacts>,
+    pub attachments: Vec<AttachmentFacts>,
     n_metadata: u32,
     /// Opcode, start and length of each run of records of one kind.
     groups: Vec<(u8, u64, u64)>,

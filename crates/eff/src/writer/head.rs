@@ -69,7 +69,7 @@ pub(super) fn manifest(head: &Head<'_>, encoding: Encoding) -> Manifest {
 }
 
 /// Checks what JSON would turn into `null`, and everything that a reader would refuse.
-pub(super) fn check(manifest: &Manifest, edits: &Edits, head: &Head<'_>) -> Result<(), EffError> {
+pub(crate) fn check(manifest: &Manifest, edits: &Edits) -> Result<(), EffError> {
     let mut findings = Findings::first_error();
     crate::check::manifest(manifest, Place::default(), &mut findings);
     crate::check::edits(edits, Place::default(), &mut findings);
@@ -82,14 +82,14 @@ pub(super) fn check(manifest: &Manifest, edits: &Edits, head: &Head<'_>) -> Resu
         return Err(EffError::bad("max_error", max_error, "a number above 0"));
     }
     let mut numbers: Vec<(&str, f64)> = vec![
-        ("field.grid.edge_m", head.grid.edge_m),
-        ("scene.air_density", head.scene.air_density),
-        ("scene.body.friction", head.scene.body.friction),
+        ("field.grid.edge_m", manifest.field.grid.edge_m),
+        ("scene.air_density", manifest.scene.air_density),
+        ("scene.body.friction", manifest.scene.body.friction),
         ("field.encoding.max_absolute_error", manifest.field.encoding.max_absolute_error),
     ];
-    numbers.extend(head.grid.origin_m.iter().map(|c| ("field.grid.origin_m", *c)));
-    numbers.extend(head.scene.gravity_world.iter().map(|c| ("scene.gravity_world", *c)));
-    numbers.extend(head.scene.body.pivot_m.iter().map(|c| ("scene.body.pivot_m", *c)));
+    numbers.extend(manifest.field.grid.origin_m.iter().map(|c| ("field.grid.origin_m", *c)));
+    numbers.extend(manifest.scene.gravity_world.iter().map(|c| ("scene.gravity_world", *c)));
+    numbers.extend(manifest.scene.body.pivot_m.iter().map(|c| ("scene.body.pivot_m", *c)));
     for collider in &manifest.scene.body.colliders {
         numbers.extend(collider.shape.numbers().map(|c| ("scene.body.colliders", c)));
     }
