@@ -10,7 +10,7 @@ mod planes;
 
 use crate::finding::Place;
 use crate::wire::proto;
-use crate::{Code, EffError, Finding};
+use crate::{Code, Finding};
 use serde::Serialize;
 
 /// How the field's vectors are packed, and what they may lose by it.
@@ -39,31 +39,6 @@ pub struct ErrorBound {
 }
 
 impl Encoding {
-    /// The encoding of a name: `f32`, `f16`, or `fixed`, which needs the largest error that is allowed.
-    ///
-    /// # Errors
-    /// [`EffError::BadValue`] if there is no such encoding, or the error is missing, not above 0, or given to an
-    /// encoding that takes none.
-    pub fn from_name(name: &str, max_error: Option<f64>) -> Result<Self, EffError> {
-        match (name, max_error) {
-            ("f32", None) => Ok(Self::F32),
-            ("f16", None) => Ok(Self::F16),
-            ("fixed", Some(max_error)) if max_error.is_finite() && max_error > 0.0 => {
-                Ok(Self::Fixed { max_error })
-            }
-            ("fixed", None) => {
-                Err(EffError::bad("max_error", "none", "a number above 0 for the encoding fixed"))
-            }
-            ("fixed", Some(found)) => Err(EffError::bad("max_error", found, "a number above 0")),
-            ("f32" | "f16", Some(found)) => Err(EffError::bad(
-                "max_error",
-                found,
-                format!("none for the encoding {name}, or the encoding fixed"),
-            )),
-            _ => Err(EffError::bad("encoding", name, "f32, f16 or fixed")),
-        }
-    }
-
     /// The bound that every component keeps, whatever the field.
     pub fn error_bound(self) -> ErrorBound {
         match self {
@@ -236,16 +211,6 @@ mod tests {
             let array = proto::Array { encoding, quantum, data };
             let _ = unpack(&array, Shape { planes: 1, dims }, Place::default(), "u");
         }
-    }
-
-    #[test]
-    fn encodings_have_names() {
-        let named = |name, max_error| Encoding::from_name(name, max_error).map_err(|e| e.to_string());
-        assert_eq!(named("f32", None), Ok(Encoding::F32));
-        assert_eq!(named("fixed", Some(0.5)), Ok(Encoding::Fixed { max_error: 0.5 }));
-        assert_eq!(named("f64", None), Err("encoding: found f64, expected f32, f16 or fixed".into()));
-        assert_eq!(named("fixed", Some(0.0)), Err("max_error: found 0, expected a number above 0".into()));
-        assert!(named("fixed", None).is_err() && named("f16", Some(0.1)).is_err());
     }
 
     #[test]

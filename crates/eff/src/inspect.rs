@@ -3,7 +3,6 @@ use crate::scan::{Findings, Listener, scan};
 use crate::{Attachment, EffError};
 use serde::Serialize;
 use std::io::Read;
-use tousle_core::{Pose, WindSample};
 use tousle_field::{Field, FieldLayer, VoxelFlag};
 
 /// What is in a field file, and how good it is.
@@ -38,6 +37,8 @@ pub struct ChannelSize {
     pub topic: String,
     /// Its messages.
     pub n_messages: u64,
+    /// Their payloads, unpacked, bytes.
+    pub n_bytes: u64,
 }
 
 /// Where the vectors of all steps come from, and how large they are.
@@ -55,7 +56,7 @@ pub struct Coverage {
     pub mean_measured_length: f64,
     /// Length of the longest vector, in the quantity's unit.
     pub max_length: f64,
-    /// Median standard deviation over all voxels and steps where it is known, in the quantity's unit.
+    /// Mean standard deviation over all voxels and steps where it is known, in the quantity's unit.
     pub mean_sd: Option<f64>,
 }
 
@@ -83,8 +84,8 @@ pub fn inspect<R: Read>(input: R) -> Result<Inspection, EffError> {
         format: "eff",
         field_span_secs,
         pose_span_secs,
-        channels: tally.channels(),
         coverage: tally.coverage(),
+        channels: tally.channels,
         layers: tally.layers,
         attachments: tally.attachments,
         n_bytes: counted.n_bytes,
@@ -98,9 +99,7 @@ struct Tally {
     manifest: Option<Manifest>,
     layers: Vec<String>,
     attachments: Vec<(String, u64)>,
-    n_edits: u64,
-    n_poses: u64,
-    n_samples: u64,
+    channels: Vec<ChannelSize>,
     n_steps: u64,
     n_flags: [u64; 3],
     ever_measured: Vec<bool>,
@@ -116,17 +115,21 @@ impl Listener for Tally {
         Ok(())
     }
 
+    fn message(&mut self, topic: &'static str, n_bytes: usize) {
+        let channel = match self.channels.iter_mut().position(|c| c.topic == topic) {
+            Some(k) => &mut self.channels[k],
+            None => {
+                self.channels.push(ChannelSize { topic: topic.into(), n_messages: 0, n_bytes: 0 });
+                let last = self.channels.len() - 1;
+                &mut self.channels[last]
+            }
+        };
+        channel.n_messages += 1;
+        channel.n_bytes += n_bytes as u64;
+    }
+
     fn edits(&mut self, layers: Vec<FieldLayer>) {
-        self.n_edits += 1;
         self.layers = layers.into_iter().map(|l| l.name).collect();
-    }
-
-    fn pose(&mut self, _pose: Pose) {
-        self.n_poses += 1;
-    }
-
-    fn samples(&mut self, _samples: Vec<WindSample>) {
-        self.n_samples += 1;
     }
 
     fn step(&mut self, step: Field) -> Result<(), EffError> {
@@ -168,19 +171,6 @@ impl Tally {
             max_length: self.max_length_squared.sqrt(),
             mean_sd: (self.n_sd > 0).then(|| self.sum_sd / self.n_sd as f64),
         }
-    }
-
-    fn channels(&self) -> Vec<ChannelSize> {
-        use crate::format::topic;
-        let counts = [
-            (topic::MANIFEST, 1),
-            (topic::EDITS, self.n_edits),
-            (topic::POSE, self.n_poses),
-            (topic::SAMPLES, self.n_samples),
-            (topic::FIELD, self.n_steps),
-        ];
-        let sizes = counts.into_iter().filter(|(_, n)| *n > 0);
-        sizes.map(|(topic, n_messages)| ChannelSize { topic: topic.into(), n_messages }).collect()
     }
 }
 

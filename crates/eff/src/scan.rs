@@ -23,12 +23,14 @@ use summary::Summary;
 use tousle_core::{Pose, WindSample};
 use tousle_field::{Field, FieldLayer};
 
-/// Someone who takes what a scan finds sound. Everything but attachments comes after the manifest.
+/// Someone who takes what a scan finds sound. Steps, poses, samples and edits come after the manifest.
 pub(crate) trait Listener {
     /// The manifest; comes once, before anything else.
     fn manifest(&mut self, _manifest: &Manifest) -> Result<(), EffError> {
         Ok(())
     }
+    /// A message came, with a payload of this many bytes, sound or not.
+    fn message(&mut self, _topic: &'static str, _n_bytes: usize) {}
     /// All edits.
     fn edits(&mut self, _layers: Vec<FieldLayer>) {}
     /// The next pose.

@@ -125,3 +125,29 @@ fn edits_are_replaced_and_nothing_else() {
     let twice = [arbitrary::layer("new"), arbitrary::layer("new")];
     assert!(replace_layers(Cursor::new(&bytes), &twice, Vec::new(), &NoProgress).is_err());
 }
+
+/// Four of the 24 voxels are measured and eleven interpolated, as `arbitrary::step` flags them.
+#[test]
+fn an_inspection_counts_what_is_there() {
+    let bytes = written(&small(), &WriteOptions::default());
+    let found = inspect(&bytes[..]).unwrap();
+    assert_eq!(found.n_bytes, bytes.len() as u64);
+    assert_eq!(found.field_span_secs, [0.0, 4.0 / 30.0]);
+    let messages: Vec<_> = found.channels.iter().map(|c| (c.topic.as_str(), c.n_messages)).collect();
+    let expected =
+        [("/eff/manifest", 1), ("/eff/edits", 1), ("/eff/pose", 17), ("/eff/samples", 5), ("/eff/field", 5)];
+    assert_eq!(messages, expected);
+    // 24 voxels of 3 + 1 floats and a flag each, and some for the rest.
+    let per_step = found.channels[4].n_bytes / 5;
+    assert!((24 * 17..24 * 17 + 70).contains(&per_step), "{per_step}");
+    let coverage = found.coverage;
+    assert_eq!((coverage.measured, coverage.interpolated), (4.0 / 24.0, 11.0 / 24.0));
+    assert_eq!(coverage.ever_measured, coverage.measured);
+    let largest =
+        small().field.steps.iter().flat_map(|s| (0..24).map(|v| s.vector(v).norm())).fold(0.0, f64::max);
+    assert!((coverage.max_length - largest).abs() < 1e-12);
+    assert_eq!(
+        (&found.layers[..], &found.attachments[..]),
+        (&["lift".to_owned()][..], &[("session.json".into(), 16)][..])
+    );
+}

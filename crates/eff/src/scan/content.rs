@@ -46,6 +46,7 @@ impl<'v> Content<'v> {
         place: Place<'_>,
         findings: &mut Findings,
     ) -> Result<(), EffError> {
+        self.listener.message(stream.topic, message.data.len());
         if u64::from(message.sequence) != position & u64::from(u32::MAX) {
             findings.push(place.finding(Code::Order, "message.sequence", message.sequence, position));
         }
