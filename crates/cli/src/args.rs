@@ -38,6 +38,8 @@ pub enum Command {
     Import(ImportArgs),
     /// Save every whole step of a field file that was cut or damaged.
     Recover(RecoverArgs),
+    /// Write a field file of any version again in the newest one; nothing is lost.
+    Migrate(MigrateArgs),
     /// Do all of it on an embedded capture and show it on one page.
     Demo(DemoArgs),
     /// Measure: error against run time.
@@ -116,6 +118,19 @@ pub struct RecoverArgs {
     #[arg(short, long, value_name = "FIELD.eff.mcap")]
     pub output: PathBuf,
     /// Print what was saved and lost as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `tousle migrate`
+#[derive(Debug, Args)]
+pub struct MigrateArgs {
+    /// The field file; it is not touched.
+    pub field: PathBuf,
+    /// The field file to write.
+    #[arg(short, long, value_name = "FIELD.eff.mcap")]
+    pub output: PathBuf,
+    /// Print what was done as JSON.
     #[arg(long)]
     pub json: bool,
 }
@@ -219,7 +234,8 @@ pub struct SimulateArgs {
     /// The longest step, s [default: the method's own].
     #[arg(long, value_name = "S")]
     pub dt_secs: Option<f64>,
-    /// The shot's own head motion in place of the capture's: .npz with `t` (T), `R` (T,3,3), `p` (T,3), or `poses`.
+    /// The shot's own head motion in place of the capture's, in the capture's world axes: .npz with `t` (T), `R`
+    /// (T,3,3), `p` (T,3), so that world = R head + p.
     #[arg(long, value_name = "POSES.npz")]
     pub head: Option<PathBuf>,
     /// What the wind does outside the field's span.

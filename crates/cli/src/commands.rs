@@ -7,6 +7,7 @@ pub mod edit;
 pub mod export;
 pub mod import;
 pub mod inspect;
+pub mod migrate;
 pub mod recover;
 pub mod simulate;
 pub mod validate;

@@ -35,6 +35,7 @@ fn run(cli: &args::Cli) -> anyhow::Result<ui::Outcome> {
         args::Command::Export(args) => commands::export::run(args, &bars),
         args::Command::Import(args) => commands::import::run(args, &bars),
         args::Command::Recover(args) => commands::recover::run(args, &bars),
+        args::Command::Migrate(args) => commands::migrate::run(args, &bars),
         args::Command::Demo(args) => commands::demo::run(args, &bars),
         args::Command::Bench(args) => commands::bench::run(args, &bars),
     }

@@ -114,3 +114,12 @@ fn a_lossy_encoding_is_smaller_and_says_its_bound() {
     room.run("validate fixed.eff.mcap").ended(0);
     room.run(&format!("{convert} -o g.eff.mcap --encoding fixed")).ended(2);
 }
+
+#[test]
+fn an_old_field_becomes_a_new_one() {
+    let room = Room::new();
+    let old = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/eff/v0/good/small.eff.mcap");
+    let run = room.run(&format!("migrate {old} -o new.eff.mcap")).ended(0);
+    assert!(run.out.contains("from version 0 to 1"), "{}", run.out);
+    room.run("validate new.eff.mcap").ended(0);
+}
