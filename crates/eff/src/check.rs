@@ -1,79 +1,22 @@
 //! Whether what was decoded can be: numbers in their ranges, rotations that rotate, times in step.
 
+mod manifest;
+
 use crate::decode::Stamp;
 use crate::finding::Place;
-use crate::format::{FORMAT, MAX_RATE_HZ, MAX_SECS, MAX_VOXELS, VERSION, time_ns};
-use crate::manifest::{EncodingName, FieldInfo, Manifest, Shape};
+use crate::format::time_ns;
+use crate::manifest::{EncodingName, FieldInfo};
 use crate::scan::Findings;
 use crate::wire::edits::Edits;
 use crate::wire::proto;
 use crate::{Code, Finding};
+pub(crate) use manifest::manifest;
 use std::collections::BTreeSet;
 use std::fmt::Display;
 use tousle_core::WindSample;
 
 /// How far the length of a quaternion may be from 1.
 const UNIT_TOLERANCE: f64 = 1e-6;
-
-/// Checks what a manifest says.
-pub(crate) fn manifest(manifest: &Manifest, place: Place<'_>, findings: &mut Findings) {
-    let mut expect = |is_so: bool, what: &str, found: &dyn Display, expected: &str| {
-        if !is_so {
-            findings.push(place.finding(Code::Value, what, found, expected));
-        }
-    };
-    let Manifest { field, pose, scene, samples, .. } = manifest;
-    expect(manifest.format == FORMAT, "format", &manifest.format, FORMAT);
-    expect(manifest.version <= VERSION, "version", &manifest.version, "at most 1");
-    let grid = &field.grid;
-    let n = grid.n_voxels();
-    expect(
-        (1..=MAX_VOXELS).contains(&n),
-        "field.grid.dims",
-        &format!("{:?}", grid.dims),
-        "1 to 16777216 voxels",
-    );
-    expect(grid.edge_m > 0.0, "field.grid.edge_m", &grid.edge_m, "a number above 0");
-    let rates = [("field.rate_hz", field.rate_hz), ("pose.rate_hz", pose.rate_hz)];
-    let samples_rate = samples.iter().map(|s| ("samples.rate_hz", s.rate_hz));
-    for (what, rate_hz) in rates.into_iter().chain(samples_rate) {
-        expect(rate_hz > 0.0 && rate_hz <= MAX_RATE_HZ, what, &rate_hz, "above 0, at most 1e6");
-    }
-    for (what, secs) in [("field.start_secs", field.start_secs), ("pose.start_secs", pose.start_secs)] {
-        expect((0.0..=MAX_SECS).contains(&secs), what, &secs, "0 to 1e6");
-    }
-    expect(field.n_steps != Some(0), "field.n_steps", &0, "at least 1");
-    expect(pose.n_poses > 0, "pose.n_poses", &0, "at least 1");
-    let last = field.step_secs(field.n_steps.unwrap_or(1).saturating_sub(1));
-    expect(last <= MAX_SECS, "field.n_steps", &format!("a last step at {last} s"), "at most 1e6 s");
-    let encoding = &field.encoding;
-    let bounds = [
-        ("field.encoding.max_absolute_error", encoding.max_absolute_error),
-        ("field.encoding.max_relative_error", encoding.max_relative_error),
-    ];
-    for (what, bound) in bounds {
-        let is_so = match encoding.kind {
-            EncodingName::F32 => bound == 0.0,
-            _ => bound >= 0.0,
-        };
-        expect(is_so, what, &bound, "0 or above; 0 for f32");
-    }
-    expect(scene.air_density >= 0.0, "scene.air_density", &scene.air_density, "0 or above");
-    expect(scene.body.friction >= 0.0, "scene.body.friction", &scene.body.friction, "0 or above");
-    for (k, collider) in scene.body.colliders.iter().enumerate() {
-        let sizes = match collider.shape {
-            Shape::Ellipsoid { half_axes_m, .. } => half_axes_m,
-            Shape::Capsule { radius_m, .. } => [radius_m; 3],
-        };
-        if let Some(size) = sizes.into_iter().find(|s| *s <= 0.0) {
-            expect(false, &format!("scene.body.colliders[{k}].shape"), &size, "sizes above 0");
-        }
-    }
-    let rest = &scene.rest_pose;
-    if let Err(finding) = self::pose(rest.translation_m, rest.rotation_xyzw, "scene.rest_pose.", place) {
-        findings.push(finding);
-    }
-}
 
 /// Checks what edits say. JSON holds finite numbers only.
 pub(crate) fn edits(edits: &Edits, place: Place<'_>, findings: &mut Findings) {

@@ -1,4 +1,5 @@
 pub(crate) mod head;
+mod samples;
 
 use crate::array::{self, Encoding, Shape};
 use crate::finding::Place;
@@ -6,7 +7,7 @@ use crate::format::{MAX_CHUNK, PROFILE, STREAMS, Stream, time_ns, topic};
 use crate::manifest::Manifest;
 use crate::wire::edits::Edits;
 use crate::wire::proto;
-use crate::{Attachment, Eff, EffError, Finding, check};
+use crate::{Attachment, Eff, EffError, check};
 pub use head::Head;
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
@@ -205,23 +206,7 @@ impl<W: Write> Writer<W> {
             return Err(EffError::bad("steps of samples", index + 1, format!("{expected}, as announced")));
         };
         let time_ns = step_time("samples", info.step_secs(index))?;
-        let samples: Vec<_> = samples.iter().map(as_floats).collect();
-        check_samples(&samples).map_err(|f| {
-            EffError::bad(format!("samples of step {index}, {}", f.what), f.found, f.expected)
-        })?;
-        let column = |n: usize, get: &dyn Fn(&WindSample, usize) -> f64| {
-            let numbers = (0..n).flat_map(|c| samples.iter().map(move |s| get(s, c) as f32));
-            array::pack_f32(&numbers.collect::<Vec<f32>>())
-        };
-        let message = proto::SampleStep {
-            index,
-            time_ns,
-            strand_idx: samples.iter().map(|s| s.strand_idx).collect(),
-            marker_idx: samples.iter().map(|s| s.marker_idx).collect(),
-            position_m: Some(column(3, &|s, c| s.position_m[c])),
-            value: Some(column(3, &|s, c| s.value[c])),
-            covariance: Some(column(6, &|s, c| s.covariance[c])),
-        };
+        let message = samples::pack(samples, index, time_ns)?;
         self.message(topic::SAMPLES, time_ns, &message.encode_to_vec())
     }
 
@@ -379,26 +364,6 @@ fn check_step(step: &Field, grid: &GridSpec, index: u64) -> Result<(), EffError>
         .and_then(|()| check::finite_vector(step.outside.into(), "outside", Place::default()))
         .and_then(|()| step.sd.as_deref().map_or(Ok(()), |sd| check::deviations(sd, Place::default())))
         .map_err(|f| EffError::bad(format!("step {index}, {}", f.what), f.found, f.expected))
-}
-
-/// A sample as the file will have it.
-fn as_floats(sample: &WindSample) -> WindSample {
-    let float = |c: f64| f64::from(c as f32);
-    WindSample {
-        position_m: sample.position_m.map(float),
-        value: sample.value.map(float),
-        covariance: sample.covariance.map(float),
-        ..*sample
-    }
-}
-
-fn check_samples(samples: &[WindSample]) -> Result<(), Box<Finding>> {
-    for (k, sample) in samples.iter().enumerate() {
-        for (what, vector) in [("position_m", sample.position_m), ("value", sample.value)] {
-            check::finite_vector(vector.into(), &format!("{what}[{k}]"), Place::default())?;
-        }
-    }
-    check::covariances(samples, Place::default())
 }
 
 fn step_time(what: &str, secs: f64) -> Result<u64, EffError> {
