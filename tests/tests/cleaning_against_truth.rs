@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use tousle_bench::Truth;
-use tousle_clean::{CleanOptions, CleanReport, Cleaned, SampleKind, clean};
-use tousle_core::{HeadCapture, Track, Vec3};
+use tousle_clean::{CleanOptions, CleanReport, Cleaned, clean};
+use tousle_core::{HeadCapture, Sample, SampleKind, Track, Vec3};
 use tousle_head::{HeadOptions, locate_head};
 use tousle_ingest::{IngestOptions, read_capture, read_session};
 use tousle_tests::{name, shared_captures};
@@ -60,7 +60,7 @@ impl Case {
     }
 
     /// Cleaned tracks, marker after marker, with where each sample comes from.
-    fn tracks(&self) -> impl Iterator<Item = (&Track, &Vec<tousle_clean::Sample>)> {
+    fn tracks(&self) -> impl Iterator<Item = (&Track, &Vec<Sample>)> {
         let tracks = self.cleaned.head.strands.iter().flat_map(|s| &s.markers);
         tracks.zip(self.cleaned.samples.iter().flatten())
     }
@@ -177,13 +177,7 @@ fn print_row(what: &str, errors: &Errors) {
     println!("  {what:>10} | {:5} | {}", errors.n, rms.join(" | "));
 }
 
-fn add_errors(
-    case: &Case,
-    marker: usize,
-    track: &Track,
-    samples: &[tousle_clean::Sample],
-    classes: &mut [Errors; 5],
-) {
+fn add_errors(case: &Case, marker: usize, track: &Track, samples: &[Sample], classes: &mut [Errors; 5]) {
     let filled = |f: usize| samples[f].kind == SampleKind::Filled;
     let seen: Track = track.iter().enumerate().map(|(f, p)| p.filter(|_| !filled(f))).collect();
     // The session's places of the head markers carry a hand's error, which moves the whole head's axes: what

@@ -141,7 +141,7 @@ fn judge_reading(
     let field = score_field(&resample_to_truth(&converted.eff.field, wind), wind)
         .map_err(failed(folder.name(), "scoring the field"))?;
     Ok(PaperRow {
-        captured_secs: converted.report.capture.duration_secs,
+        captured_secs: converted.report.quality.capture.duration_secs,
         convert: Some(convert_cost),
         field: Some(field),
         ..row(folder, reading.name(), judged)

@@ -1,16 +1,15 @@
-use crate::gaps::{Fill, Scene, fill_gap, gaps, runs};
+use crate::gaps::{Fill, Scene, fill_gap, gaps};
 use crate::lock::Locks;
 use crate::motion::{Continuity, white_noise};
 use crate::pieces::{Piece, Verdict, judge, pieces, volume_m3};
 use crate::report::{
-    CleanReport, GapFilled, GhostRefused, MarkerTimeline, PieceGivenBack, Sample, SampleKind, Span, SpikeCut,
-    SwapMended, Unfilled,
+    CleanReport, GapFilled, GhostRefused, MarkerTimeline, PieceGivenBack, SpikeCut, SwapMended, Unfilled,
 };
 use crate::shape::ShapeModel;
 use crate::spikes::cut_spikes;
 use crate::swaps::{Swap, mend_swaps};
 use std::ops::Range;
-use tousle_core::{HeadCapture, Session, StrandTracks, Track};
+use tousle_core::{FrameSpan, HeadCapture, Sample, SampleKind, Session, StrandTracks, Track, runs};
 
 /// How tracks are cleaned.
 #[derive(Clone, Debug, PartialEq)]
@@ -153,9 +152,8 @@ impl Work {
         Scene { locks: &self.locks, tracks: &self.tracks, still: self.still }
     }
 
-    fn span(&self, frames: &Range<usize>) -> Span {
-        let number = |f: usize| self.first_frame.saturating_add(f as i64);
-        Span { first_frame: number(frames.start), last_frame: number(frames.end.saturating_sub(1)) }
+    fn span(&self, frames: &Range<usize>) -> FrameSpan {
+        FrameSpan::of(self.first_frame, frames)
     }
 
     fn label(&self, marker: usize) -> String {
@@ -210,8 +208,8 @@ impl Work {
         let mut left = head.unlabeled.clone();
         let volume = volume_m3(&self.tracks);
         let mut open = pieces(&head.unlabeled);
+        let mut judged: Vec<Verdict> = open.iter().map(|p| judge(self.scene(), p, volume)).collect();
         loop {
-            let judged: Vec<Verdict> = open.iter().map(|p| judge(self.scene(), p, volume)).collect();
             let sure = (0..open.len()).max_by(|a, b| judged[*a].confidence.total_cmp(&judged[*b].confidence));
             let accepted = sure.filter(|k| judged[*k].confidence >= options.least_confidence);
             let Some((k, marker)) = accepted.and_then(|k| Some((k, judged[k].marker?))) else {
@@ -220,8 +218,14 @@ impl Work {
                 }
                 return left;
             };
-            let piece = open.remove(k);
-            self.give(&piece, marker, &judged[k]);
+            let (piece, verdict) = (open.remove(k), judged.remove(k));
+            self.give(&piece, marker, &verdict);
+            let lock = self.locks.markers[marker].strand_idx;
+            for (piece, verdict) in open.iter().zip(&mut judged) {
+                if verdict.locks.contains(&lock) {
+                    *verdict = judge(self.scene(), piece, volume);
+                }
+            }
             if let Some(u) = left.iter_mut().find(|u| u.label == piece.label) {
                 piece.frames.clone().for_each(|f| u.track.set(f, None));
             }
@@ -319,7 +323,7 @@ impl Work {
     }
 
     fn timeline(&self, marker: usize) -> MarkerTimeline {
-        let spans = |kind: SampleKind| -> Vec<Span> {
+        let spans = |kind: SampleKind| -> Vec<FrameSpan> {
             let of_kind = |f: usize| self.samples[marker][f].kind == kind;
             runs(self.samples[marker].len(), of_kind).iter().map(|run| self.span(run)).collect()
         };

@@ -5,7 +5,7 @@ use crate::lock::Locks;
 use crate::report::FillMethod;
 use crate::shape::{Coefficients, ShapeModel};
 use std::ops::Range;
-use tousle_core::{Track, Vec3};
+use tousle_core::{Track, Vec3, runs};
 
 /// Trials of each method for each gap. More would tell the error closer and take longer.
 const MOST_TRIALS: usize = 32;
@@ -37,18 +37,6 @@ pub(crate) struct Fill {
 /// The frames in which a track has no sample, in order.
 pub(crate) fn gaps(track: &Track) -> Vec<Range<usize>> {
     runs(track.n_frames(), |f| track.at(f).is_none())
-}
-
-/// Maximal runs of frames with a property, in order.
-pub(crate) fn runs(n_frames: usize, has: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
-    let mut runs: Vec<Range<usize>> = Vec::new();
-    for f in (0..n_frames).filter(|&f| has(f)) {
-        match runs.last_mut() {
-            Some(run) if run.end == f => run.end += 1,
-            _ => runs.push(f..f + 1),
-        }
-    }
-    runs
 }
 
 /// Fills one gap of one marker, part by part; empty if the marker was never seen.

@@ -18,6 +18,6 @@ mod swaps;
 
 pub use clean::{CleanError, CleanOptions, Cleaned, clean};
 pub use report::{
-    CleanReport, FillMethod, GapFilled, GhostRefused, MarkerTimeline, PieceGivenBack, Sample, SampleKind,
-    Span, SpikeCut, SwapMended, Unfilled,
+    CleanReport, FillMethod, GapFilled, GhostRefused, MarkerTimeline, PieceGivenBack, SpikeCut, SwapMended,
+    Unfilled,
 };

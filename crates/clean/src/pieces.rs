@@ -1,8 +1,8 @@
 //! Nameless trajectories: pieces of a marker during its own gap, or ghosts.
 
-use crate::gaps::{Fill, Scene, fill_gap, gaps, runs};
+use crate::gaps::{Fill, Scene, fill_gap};
 use std::ops::Range;
-use tousle_core::{Track, UnlabeledTrack, Vec3};
+use tousle_core::{Track, UnlabeledTrack, Vec3, runs};
 
 /// Degrees of freedom of the tails of a fill's error: it is no Gaussian.
 const TAIL: f64 = 3.0;
@@ -26,6 +26,8 @@ pub(crate) struct Verdict {
     pub expected_m: f64,
     /// Probability that it is that marker.
     pub confidence: f64,
+    /// The locks whose markers were asked: only what is given to one of them can change this verdict.
+    pub locks: Vec<usize>,
 }
 
 /// All pieces of the nameless trajectories, in order.
@@ -41,13 +43,14 @@ fn pieces_of(UnlabeledTrack { label, track }: &UnlabeledTrack) -> impl Iterator<
 /// Whose the piece is: the fill of each marker's gap, with its expected error, against a ghost anywhere in the
 /// hair.
 pub(crate) fn judge(scene: Scene<'_>, piece: &Piece<'_>, volume_m3: f64) -> Verdict {
-    let candidates: Vec<(usize, Fit)> = (0..scene.tracks.len())
-        .filter_map(|marker| {
-            let of_piece =
-                |gap: &Range<usize>| gap.start <= piece.frames.start && piece.frames.end <= gap.end;
-            let gap = gaps(&scene.tracks[marker]).into_iter().find(of_piece)?;
-            Some((marker, Fit::of(piece, &fill_gap(scene, marker, gap))?))
-        })
+    let missing: Vec<(usize, Range<usize>)> = (0..scene.tracks.len())
+        .filter_map(|marker| Some((marker, gap_round(&scene.tracks[marker], &piece.frames)?)))
+        .collect();
+    let mut locks: Vec<usize> = missing.iter().map(|(m, _)| scene.locks.markers[*m].strand_idx).collect();
+    locks.dedup();
+    let candidates: Vec<(usize, Fit)> = missing
+        .into_iter()
+        .filter_map(|(marker, gap)| Some((marker, Fit::of(piece, &fill_gap(scene, marker, gap))?)))
         .collect();
     // As many markers as are in a gap may have lost it; a ghost is as likely as all of them together.
     let prior = -libm::log(candidates.len().max(1) as f64);
@@ -56,14 +59,26 @@ pub(crate) fn judge(scene: Scene<'_>, piece: &Piece<'_>, volume_m3: f64) -> Verd
     let total: f64 = 1.0 + candidates.iter().map(|(_, fit)| evidence(fit)).sum::<f64>();
     let best = candidates.iter().max_by(|a, b| a.1.log_density.total_cmp(&b.1.log_density));
     let Some((marker, fit)) = best else {
-        return Verdict { marker: None, distance_m: f64::NAN, expected_m: f64::NAN, confidence: 0.0 };
+        return Verdict { marker: None, distance_m: f64::NAN, expected_m: f64::NAN, confidence: 0.0, locks };
     };
     Verdict {
         marker: Some(*marker),
         distance_m: fit.distance_m,
         expected_m: fit.expected_m,
         confidence: evidence(fit) / total,
+        locks,
     }
+}
+
+/// The gap that holds all of these frames.
+fn gap_round(track: &Track, frames: &Range<usize>) -> Option<Range<usize>> {
+    let is_missing = |f: &usize| track.at(*f).is_none();
+    if !frames.clone().all(|f| is_missing(&f)) {
+        return None;
+    }
+    let n_before = (0..frames.start).rev().take_while(is_missing).count();
+    let n_after = (frames.end..track.n_frames()).take_while(is_missing).count();
+    Some(frames.start - n_before..frames.end + n_after)
 }
 
 /// How well a piece fits a marker's fill.

@@ -1,4 +1,5 @@
 use serde::Serialize;
+use tousle_core::FrameSpan;
 
 /// Everything that cleaning found and changed. Frames are numbered as the file does, both ends included.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -19,22 +20,13 @@ pub struct CleanReport {
     pub markers: Vec<MarkerTimeline>,
 }
 
-/// First and last frame of something, as the file numbers them, both included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-pub struct Span {
-    /// First frame.
-    pub first_frame: i64,
-    /// Last frame.
-    pub last_frame: i64,
-}
-
 /// An outlier that was cut out.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpikeCut {
     /// The marker's label.
     pub marker: String,
     /// The frames.
-    pub span: Span,
+    pub span: FrameSpan,
     /// How far the worst sample was from the line between its neighbors, m.
     pub height_m: f64,
     /// Probability that it was no motion, 0 to 1.
@@ -47,7 +39,7 @@ pub struct SwapMended {
     /// The two labels.
     pub markers: [String; 2],
     /// The frames in which the labels were exchanged in the file.
-    pub span: Span,
+    pub span: FrameSpan,
     /// How far the labels jumped where the exchange began (or ended, if it began with the capture), m.
     pub jump_m: f64,
     /// Probability that it was an exchange, by the continuity of both motions, 0 to 1.
@@ -62,7 +54,7 @@ pub struct PieceGivenBack {
     /// The marker that got it.
     pub marker: String,
     /// The frames.
-    pub span: Span,
+    pub span: FrameSpan,
     /// Root mean square distance from where the lock says the marker is, m.
     pub distance_m: f64,
     /// How far off the lock's word usually is there, m.
@@ -77,7 +69,7 @@ pub struct GhostRefused {
     /// What the file calls it.
     pub piece: String,
     /// The frames.
-    pub span: Span,
+    pub span: FrameSpan,
     /// The marker it came nearest to by likelihood, if one was in a gap all the while.
     pub nearest_marker: Option<String>,
     /// Probability that it is a ghost or cannot be told whose it is, 0 to 1.
@@ -111,7 +103,7 @@ pub struct GapFilled {
     /// The marker's label.
     pub marker: String,
     /// The frames.
-    pub span: Span,
+    pub span: FrameSpan,
     /// How, the best of all in trials on this marker's own seen frames.
     pub method: FillMethod,
     /// Root mean square error of the same fill at other times, where the marker was seen, m; raised where the
@@ -129,7 +121,7 @@ pub struct Unfilled {
     /// The marker's label.
     pub marker: String,
     /// The frames.
-    pub span: Span,
+    pub span: FrameSpan,
     /// Why.
     pub why: &'static str,
 }
@@ -146,37 +138,11 @@ pub struct MarkerTimeline {
     /// Root mean square distance between the marker and the prediction from its neighbors, m.
     pub shape_residual_m: Option<f64>,
     /// Frames in which the file's own label was seen and kept.
-    pub seen: Vec<Span>,
+    pub seen: Vec<FrameSpan>,
     /// Frames taken from another label.
-    pub mended: Vec<Span>,
+    pub mended: Vec<FrameSpan>,
     /// Frames taken from a nameless piece.
-    pub given_back: Vec<Span>,
+    pub given_back: Vec<FrameSpan>,
     /// Frames that no camera saw.
-    pub filled: Vec<Span>,
-}
-
-/// Where a sample of the cleaned tracks comes from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SampleKind {
-    /// There is none.
-    #[default]
-    Missing,
-    /// Seen by the cameras under its own label.
-    Seen,
-    /// Seen under another marker's label.
-    Mended,
-    /// Seen without a label.
-    GivenBack,
-    /// Not seen: filled.
-    Filled,
-}
-
-/// Where a sample comes from and how far it can be trusted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Sample {
-    /// Where it comes from.
-    pub kind: SampleKind,
-    /// Expected error (root mean square of the distance), m; infinite where there is no sample.
-    pub error_m: f64,
+    pub filled: Vec<FrameSpan>,
 }

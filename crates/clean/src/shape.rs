@@ -20,6 +20,7 @@ pub(crate) struct ShapeModel<'a> {
     rows: Vec<Option<(DVector<f64>, Vec3)>>,
     gram: DMatrix<f64>,
     cross: DMatrix<f64>,
+    squares: f64,
     n_rows: usize,
 }
 
@@ -57,6 +58,7 @@ impl<'a> ShapeModel<'a> {
             rows: Vec::new(),
             gram: DMatrix::zeros(width, width),
             cross: DMatrix::zeros(width, 3),
+            squares: 0.0,
             n_rows: 0,
         };
         model.learn();
@@ -79,6 +81,7 @@ impl<'a> ShapeModel<'a> {
         for (x, y) in self.rows.iter().flatten() {
             self.gram.ger(1.0, x, x, 1.0);
             self.cross.ger(1.0, x, &DVector::from_column_slice(y.as_slice()), 1.0);
+            self.squares += y.norm_squared();
             self.n_rows += 1;
         }
     }
@@ -91,16 +94,13 @@ impl<'a> ShapeModel<'a> {
     /// The offset learned from all frames but some.
     pub(crate) fn without(&self, hidden: &Range<usize>) -> Option<Coefficients> {
         let (mut gram, mut cross) = (self.gram.clone(), self.cross.clone());
-        let (mut n, mut squares) = (self.n_rows, 0.0);
-        for (frame, row) in self.rows.iter().enumerate() {
-            let Some((x, y)) = row else { continue };
-            if hidden.contains(&frame) {
-                gram.ger(-1.0, x, x, 1.0);
-                cross.ger(-1.0, x, &DVector::from_column_slice(y.as_slice()), 1.0);
-                n -= 1;
-            } else {
-                squares += y.norm_squared();
-            }
+        let (mut n, mut squares) = (self.n_rows, self.squares);
+        let within = hidden.start.min(self.rows.len())..hidden.end.min(self.rows.len());
+        for (x, y) in self.rows[within].iter().flatten() {
+            gram.ger(-1.0, x, x, 1.0);
+            cross.ger(-1.0, x, &DVector::from_column_slice(y.as_slice()), 1.0);
+            squares -= y.norm_squared();
+            n -= 1;
         }
         if n <= gram.nrows() {
             return None;

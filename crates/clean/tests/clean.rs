@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use tousle_clean::{CleanError, CleanOptions, SampleKind, clean};
+use tousle_clean::{CleanError, CleanOptions, clean};
 use tousle_core::{
-    Body, HeadCapture, HeadPose, Pose, Session, StrandMarker, StrandSpec, StrandTracks, Track,
+    Body, HeadCapture, HeadPose, Pose, SampleKind, Session, StrandMarker, StrandSpec, StrandTracks, Track,
     UnlabeledTrack, Vec3,
 };
 

@@ -79,6 +79,12 @@ pub struct ConvertArgs {
     /// How the capture is read.
     #[command(flatten)]
     pub read: ReadArgs,
+    /// Leave gaps, exchanged labels, nameless pieces and spikes as the file has them.
+    #[arg(long)]
+    pub no_clean: bool,
+    /// Write the capture's quality report: a page (.html) or JSON (.json); may be given more than once.
+    #[arg(long, value_name = "REPORT.html|REPORT.json")]
+    pub report: Vec<PathBuf>,
     /// How the field is packed.
     #[command(flatten)]
     pub pack: PackArgs,
@@ -186,6 +192,18 @@ pub struct InspectArgs {
     /// Print what was found as JSON.
     #[arg(long)]
     pub json: bool,
+    /// The session of a capture: then the head is found and the locks are cleaned, and what that brings up is told.
+    #[arg(long)]
+    pub session: Option<PathBuf>,
+    /// With --session, write the quality report: a page (.html) or JSON (.json); may be given more than once.
+    #[arg(long, value_name = "REPORT.html|REPORT.json", requires = "session")]
+    pub report: Vec<PathBuf>,
+    /// With --session, leave the locks as the file has them.
+    #[arg(long, requires = "session")]
+    pub no_clean: bool,
+    /// How a capture is read, with --session.
+    #[command(flatten)]
+    pub read: ReadArgs,
     /// The unit of a groom's positions, where its file names none.
     #[arg(long, value_parser = parse_unit, value_name = "mm|cm|m|in")]
     pub groom_unit: Option<tousle_core::LengthUnit>,

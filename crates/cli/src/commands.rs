@@ -8,11 +8,12 @@ pub mod export;
 pub mod import;
 pub mod inspect;
 pub mod migrate;
+pub mod quality;
 pub mod recover;
 pub mod simulate;
 pub mod validate;
 
-use crate::args::{EncodingArg, GroomArgs, PackArgs};
+use crate::args::{EncodingArg, GroomArgs, PackArgs, ReadArgs};
 use anyhow::{Context, anyhow, bail};
 use serde::Serialize;
 use std::path::Path;
@@ -20,6 +21,7 @@ use tousle_core::{Attachment, Groom, Shape};
 use tousle_eff::{Eff, Encoding, ReadOptions, WriteOptions, WriteReport};
 use tousle_field::Scene;
 use tousle_groom::{GroomOptions, HeadShape, Placement};
+use tousle_ingest::IngestOptions;
 use tousle_pipeline::{Watch, read_file, write_whole};
 
 /// The name of a file, for messages.
@@ -77,6 +79,16 @@ fn head_shape(scene: &Scene) -> anyhow::Result<HeadShape> {
         Shape::Capsule { .. } => None,
     });
     ellipsoids.next().context("the field's body has no ellipsoid for a head to fit the groom to")
+}
+
+/// How a marker file is read, as the command line has it.
+fn read_options(args: &ReadArgs) -> IngestOptions {
+    IngestOptions {
+        unit: args.unit,
+        subject: args.subject.clone(),
+        allow_cut: args.allow_cut,
+        ..IngestOptions::default()
+    }
 }
 
 /// Writes a field file, whole or not at all.

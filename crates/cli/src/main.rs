@@ -29,7 +29,7 @@ fn run(cli: &args::Cli) -> anyhow::Result<ui::Outcome> {
     match &cli.command {
         args::Command::Convert(args) => commands::convert::run(args, &bars),
         args::Command::Validate(args) => commands::validate::run(args, &bars),
-        args::Command::Inspect(args) => commands::inspect::run(args),
+        args::Command::Inspect(args) => commands::inspect::run(args, &bars),
         args::Command::Simulate(args) => commands::simulate::run(args, &bars),
         args::Command::Edit(args) => commands::edit::run(args, &bars),
         args::Command::Export(args) => commands::export::run(args, &bars),

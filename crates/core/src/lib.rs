@@ -15,8 +15,10 @@ mod groom;
 mod head;
 mod motion;
 mod progress;
+mod sample;
 mod samples;
 mod session;
+mod span;
 mod track;
 mod unit;
 
@@ -26,8 +28,10 @@ pub use groom::{Assumption, Groom, GroomError, Strand};
 pub use head::{HeadCapture, HeadPose, StrandTracks, UnlabeledTrack};
 pub use motion::{HeadMotion, PoseTrack, StrandMotion};
 pub use progress::{NoProgress, Progress};
+pub use sample::{Sample, SampleKind};
 pub use samples::{Quantity, WindSample, WindSamples};
 pub use session::{Fan, HeadMarker, Session, StrandMarker, StrandSpec};
+pub use span::{FrameSpan, runs};
 pub use track::Track;
 pub use unit::{LengthUnit, UpAxis};
 

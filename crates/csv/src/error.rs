@@ -36,7 +36,7 @@ pub enum CsvError {
 
 impl CsvError {
     pub(crate) fn cell(line: u64, column_idx: usize, found: &[u8], expected: impl Into<String>) -> Self {
-        let found = crate::rows::shorten(&crate::rows::text(found));
+        let found = tousle_cells::shorten(&tousle_cells::text(found));
         Self::Cell { line, column: column_idx + 1, found, expected: expected.into() }
     }
 

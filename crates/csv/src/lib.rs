@@ -11,7 +11,6 @@
 
 mod error;
 pub mod motive;
-mod number;
 mod points;
 mod rows;
 pub mod vicon;

@@ -19,11 +19,11 @@
 
 mod header;
 
-use crate::number::{Numbers, whole};
 use crate::points::PointReader;
-use crate::rows::{Rows, delimiter, is_column_key, plain, text};
+use crate::rows::{Rows, delimiter, is_column_key};
 use crate::{CsvError, PointTable};
 use header::Header;
+use tousle_cells::{Numbers, plain, text, whole};
 
 /// Everything of a Motive CSV that has a position.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,10 +54,10 @@ pub fn read(bytes: &[u8]) -> Result<MotiveFile, CsvError> {
     let mut rows = Rows::new(bytes);
     refuse_row_typed(&mut rows)?;
     let header = Header::read(&mut rows)?;
-    let mut numbers = Numbers::new(delimiter(bytes));
+    let mut numbers = Numbers::between(delimiter(bytes));
     let rate_hz = header.rate_hz(&mut numbers)?;
     let mut points = PointReader::new(header.positions()?, header.width(), numbers, bytes.len());
-    let mut times = Numbers::new(delimiter(bytes));
+    let mut times = Numbers::between(delimiter(bytes));
     let mut times_secs = Vec::new();
     while let Some(row) = rows.next() {
         let open = rows.peek().is_none() && !bytes.ends_with(b"\n") && !bytes.ends_with(b"\r");

@@ -1,6 +1,6 @@
 use crate::CsvError;
-use crate::number::{Numbers, whole};
 use crate::rows::Row;
+use tousle_cells::{Numbers, whole};
 
 /// A table of positions: one row a frame, three columns a point.
 #[derive(Clone, Debug, Default, PartialEq)]

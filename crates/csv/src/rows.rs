@@ -1,5 +1,3 @@
-use std::borrow::Cow;
-
 /// One line of cells.
 #[derive(Clone, Debug)]
 pub(crate) struct Row {
@@ -46,7 +44,7 @@ pub(crate) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// The rows of plain text, as [`plain`] makes it.
+    /// The rows of plain text, as [`tousle_cells::plain`] makes it.
     pub fn new(bytes: &'a [u8]) -> Self {
         let reader = csv::ReaderBuilder::new()
             .has_headers(false)
@@ -106,23 +104,6 @@ impl Iterator for Rows<'_> {
     }
 }
 
-/// The bytes as UTF-8 or a one-byte encoding, without a byte order mark; UTF-16 with its mark is converted.
-pub(crate) fn plain(bytes: &[u8]) -> Cow<'_, [u8]> {
-    let unit = |pair: &[u8], big: bool| {
-        if big { u16::from_be_bytes([pair[0], pair[1]]) } else { u16::from_le_bytes([pair[0], pair[1]]) }
-    };
-    match bytes {
-        [0xEF, 0xBB, 0xBF, rest @ ..] => Cow::Borrowed(rest),
-        [first @ (0xFF | 0xFE), second, rest @ ..] if *first ^ *second == 1 => {
-            let units = rest.chunks_exact(2).map(|pair| unit(pair, *first == 0xFE));
-            let text: String =
-                char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
-            Cow::Owned(text.into_bytes())
-        }
-        _ => Cow::Borrowed(bytes),
-    }
-}
-
 /// What separates the cells: the first separator in the first line that names its columns.
 ///
 /// That line holds no numbers, so a decimal comma cannot be taken for a separator.
@@ -145,26 +126,10 @@ fn first_word(line: &[u8]) -> &[u8] {
     word.strip_prefix(b"\"").and_then(|w| w.strip_suffix(b"\"")).unwrap_or(word)
 }
 
-/// A cell as text: UTF-8 if it is that, otherwise Latin-1, which gives every byte a character.
-pub(crate) fn text(cell: &[u8]) -> String {
-    match std::str::from_utf8(cell) {
-        Ok(text) => text.trim().to_owned(),
-        Err(_) => cell.iter().map(|b| char::from(*b)).collect::<String>().trim().to_owned(),
-    }
-}
-
-/// A text cut to what fits into a message.
-pub(crate) fn shorten(text: &str) -> String {
-    const LONGEST: usize = 60;
-    if text.chars().count() <= LONGEST {
-        return text.to_owned();
-    }
-    text.chars().take(LONGEST).chain(['…']).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tousle_cells::text;
 
     fn lines_and_first_cells(bytes: &[u8]) -> Vec<(u64, String)> {
         Rows::new(bytes).map(|row| (row.line, text(row.cell(0)))).collect()
@@ -184,14 +149,5 @@ mod tests {
         assert_eq!(delimiter(b"Trajectories\n100\n;;A;;\nFrame;Sub Frame;X;Y;Z\n1;0;1,5;2,5;3,5"), b';');
         assert_eq!(delimiter(b"Trajectories\n100\n,,A,,\n\"Frame\",Sub Frame,X,Y,Z"), b',');
         assert_eq!(delimiter(b"Field #\tX\tY\tZ"), b'\t');
-    }
-
-    #[test]
-    fn encodings() {
-        assert_eq!(&*plain(b"\xEF\xBB\xBFab"), b"ab");
-        assert_eq!(&*plain(b"\xFF\xFEa\0b\0"), b"ab");
-        assert_eq!(&*plain(b"\xFE\xFF\0a\0b"), b"ab");
-        assert_eq!(text(b"\xE9paule"), "épaule");
-        assert_eq!(text("épaule".as_bytes()), "épaule");
     }
 }

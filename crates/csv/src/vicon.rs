@@ -20,7 +20,8 @@ mod section;
 pub use section::{Section, SectionKind};
 
 use crate::CsvError;
-use crate::rows::{Rows, delimiter, is_column_key, plain};
+use crate::rows::{Rows, delimiter, is_column_key};
+use tousle_cells::plain;
 
 /// Everything a Vicon CSV holds.
 #[derive(Clone, Debug, PartialEq)]

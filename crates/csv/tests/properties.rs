@@ -1,8 +1,14 @@
 //! What holds for every table and every sequence of bytes.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+#[path = "support/exercise.rs"]
+mod exercise;
+
+use exercise::exercise;
 use proptest::prelude::*;
 use proptest::sample::Index;
-use tousle_csv::{motive, vicon};
+use tousle_csv::vicon;
 
 /// Positions by frame and point, a few of them missing; numbers have three decimals, as exports do.
 fn positions() -> impl Strategy<Value = Vec<Vec<Option<[f64; 3]>>>> {
@@ -102,16 +108,14 @@ proptest! {
         damage in prop::collection::vec((any::<Index>(), any::<Option<u8>>()), 1..8),
     ) {
         let bytes = damaged(nexus(&rows, &clothes).into_bytes(), &damage);
-        let _ = vicon::read(&bytes);
-        let take = damaged(MOTIVE.as_bytes().to_vec(), &damage);
-        let _ = motive::read(&take);
-        let _ = (vicon::detect(&bytes), motive::detect(&take));
+        exercise(&bytes);
+        exercise(&damaged(MOTIVE.as_bytes().to_vec(), &damage));
     }
 
     /// No bytes make a reader panic.
     #[test]
     fn any_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
-        let _ = (vicon::read(&bytes), motive::read(&bytes), vicon::detect(&bytes), motive::detect(&bytes));
+        exercise(&bytes);
     }
 }
 
@@ -129,4 +133,15 @@ fn damaged(mut bytes: Vec<u8>, damage: &[(Index, Option<u8>)]) -> Vec<u8> {
         }
     }
     bytes
+}
+
+/// The seeds of the fuzz target, and inputs that once failed.
+#[test]
+fn every_seed() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds/csv");
+    let seeds: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    assert!(!seeds.is_empty());
+    for seed in seeds {
+        exercise(&std::fs::read(seed).unwrap());
+    }
 }

@@ -12,7 +12,7 @@ pub use outside::outside_direction;
 pub use paper::{PaperOptions, PaperReading, PaperSpan};
 
 use serde::Serialize;
-use tousle_core::{HeadCapture, Session, Vec3, WindSamples};
+use tousle_core::{HeadCapture, Sample, Session, Track, Vec3, WindSamples};
 
 /// Which method explains the motion, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,8 +57,10 @@ pub struct FitReport {
     pub n_steps: usize,
     /// Samples in all steps.
     pub n_samples: usize,
-    /// Markers times steps without a sample, because the marker was not seen when it had to be.
+    /// Markers times steps without a sample, because no camera saw the marker when it had to be seen.
     pub n_missing: usize,
+    /// How many of these cleaning had filled.
+    pub n_filled: usize,
     /// Locks that gave no sample at all.
     pub strands_skipped: Vec<String>,
     /// White noise of a marker coordinate in the still interval, head space, m.
@@ -88,6 +90,12 @@ pub enum FitError {
         /// Its value.
         found: f64,
     },
+    /// The samples' origins are of another capture.
+    #[error("lock {strand_idx}: the origins of its samples do not have the shape of its tracks")]
+    Samples {
+        /// The lock, from 0.
+        strand_idx: usize,
+    },
     /// No marker of any lock was ever seen where it was needed.
     #[error("no marker of any lock gives a sample ({n_missing} markers times steps are missing)")]
     NoSamples {
@@ -98,20 +106,41 @@ pub enum FitError {
 
 /// Explains the motion of every lock by wind.
 ///
-/// In: head-space positions, m, `[strand][marker][frame]`. Out: head-axes vectors at `options.rate_hz`, one for
+/// In: head-space positions, m, `[strand][marker][frame]`; if they were cleaned, where each comes from and its
+/// expected error, m, in the same shape (without, every position counts as seen). Out: head-axes vectors at `options.rate_hz`, one for
 /// every marker that was seen when its equation needs it; for `paper` force per mass, m/s², with the covariance
 /// that the cameras' noise makes of it. Source: the method's own documentation.
 ///
 /// # Errors
 /// [`FitError`] if there is no motion to explain, no rest where one is needed, or not one sample comes out.
-pub fn fit(head: &HeadCapture, session: &Session, options: &FitOptions) -> Result<Fit, FitError> {
+pub fn fit(
+    head: &HeadCapture,
+    origins: Option<&[Vec<Vec<Sample>>]>,
+    session: &Session,
+    options: &FitOptions,
+) -> Result<Fit, FitError> {
     if !(options.rate_hz.is_finite() && options.rate_hz > 0.0) {
         return Err(FitError::NotPositive { what: "rate", found: options.rate_hz });
     }
     if head.n_frames() < 2 {
         return Err(FitError::TooFewFrames { found: head.n_frames() });
     }
-    match &options.method {
-        FitMethod::Paper(paper) => paper::fit_paper(head, session, options.rate_hz, paper),
+    if let Some(origins) = origins {
+        check(head, origins)?;
     }
+    match &options.method {
+        FitMethod::Paper(paper) => paper::fit_paper(head, origins, session, options.rate_hz, paper),
+    }
+}
+
+fn check(head: &HeadCapture, origins: &[Vec<Vec<Sample>>]) -> Result<(), FitError> {
+    for (strand_idx, strand) in head.strands.iter().enumerate() {
+        let lengths = |of_strand: &Vec<Vec<Sample>>| {
+            of_strand.iter().map(Vec::len).eq(strand.markers.iter().map(Track::n_frames))
+        };
+        if !origins.get(strand_idx).is_some_and(lengths) {
+            return Err(FitError::Samples { strand_idx });
+        }
+    }
+    Ok(())
 }

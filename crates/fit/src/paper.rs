@@ -1,7 +1,9 @@
 use crate::resample::{n_steps, position_at};
 use crate::{Fit, FitError, FitReport, outside_direction};
+use std::borrow::Cow;
 use tousle_core::{
-    HeadCapture, Pose, Quantity, STANDARD_GRAVITY, Session, Track, Vec3, WindSample, WindSamples,
+    HeadCapture, Pose, Quantity, STANDARD_GRAVITY, Sample, SampleKind, Session, Track, Vec3, WindSample,
+    WindSamples,
 };
 
 /// How equation E3 is read.
@@ -57,7 +59,8 @@ impl PaperReading {
 struct Marker<'a> {
     strand_idx: usize,
     marker_idx: usize,
-    track: &'a Track,
+    /// Where the cameras saw it, under whatever name.
+    track: Cow<'a, Track>,
     /// Where it is when nothing blows, head space, m.
     rest: Option<Vec3>,
     /// The span of E3, s.
@@ -69,8 +72,12 @@ struct Marker<'a> {
 ///
 /// The factor E(Φ) that turns the vector into a pull on two angles depends on the lock that feels it and is
 /// applied there, in the simulator: the field keeps the vector.
+///
+/// What no camera saw gives no sample, filled or not: the paper's voxels "hold markers", and a voxel that says
+/// `measured` must not rest on a guess. Mended and given-back samples were seen, and count as any other.
 pub(crate) fn fit_paper(
     head: &HeadCapture,
+    origins: Option<&[Vec<Vec<Sample>>]>,
     session: &Session,
     rate_hz: f64,
     options: &PaperOptions,
@@ -84,7 +91,7 @@ pub(crate) fn fit_paper(
     if options.reading == PaperReading::RestPose && still.is_none() {
         return Err(FitError::NoRest);
     }
-    let markers = markers(head, session, still, options);
+    let markers = markers(head, origins, session, still, options);
     let noise_m = noise(&markers, still);
     let n_steps = n_steps(head.n_frames(), head.rate_hz, rate_hz);
     let mut n_missing = 0;
@@ -108,6 +115,7 @@ pub(crate) fn fit_paper(
         n_steps,
         n_samples,
         n_missing,
+        n_filled: n_filled(origins, head.rate_hz, n_steps, rate_hz),
         strands_skipped: skipped(&samples, session),
         noise_m,
     };
@@ -116,6 +124,7 @@ pub(crate) fn fit_paper(
 
 fn markers<'a>(
     head: &'a HeadCapture,
+    origins: Option<&[Vec<Vec<Sample>>]>,
     session: &Session,
     still: Option<(usize, usize)>,
     options: &PaperOptions,
@@ -124,7 +133,8 @@ fn markers<'a>(
     for strand in &head.strands {
         let spec = &session.strands[strand.strand_idx];
         for (marker_idx, track) in strand.markers.iter().enumerate() {
-            let rest = still.and_then(|(first, last)| mean(track, first, last));
+            let track = seen(track, origins.map(|o| &o[strand.strand_idx][marker_idx][..]));
+            let rest = still.and_then(|(first, last)| mean(&track, first, last));
             let evenly = (marker_idx + 1) as f64 / strand.markers.len() as f64 * spec.length_m;
             let distance_m = spec.markers[marker_idx].distance_from_root_m.unwrap_or(evenly);
             let span_secs = match options.span {
@@ -137,6 +147,24 @@ fn markers<'a>(
     markers
 }
 
+/// A track without what was filled.
+fn seen<'a>(track: &'a Track, origins: Option<&[Sample]>) -> Cow<'a, Track> {
+    match origins {
+        Some(origins) if origins.iter().any(|o| o.kind == SampleKind::Filled) => {
+            Cow::Owned(track.map(|frame, p| origins[frame].kind.is_seen().then_some(p)))
+        }
+        _ => Cow::Borrowed(track),
+    }
+}
+
+/// How many of the samples that are not there cleaning had filled, by the frame nearest to each step.
+fn n_filled(origins: Option<&[Vec<Vec<Sample>>]>, frame_rate_hz: f64, n_steps: usize, rate_hz: f64) -> usize {
+    let frame = |step: usize| (step as f64 / rate_hz * frame_rate_hz).round() as usize;
+    let is_filled = |o: &[Sample], step| o.get(frame(step)).is_some_and(|s| s.kind == SampleKind::Filled);
+    let of_marker = |o: &Vec<Sample>| (0..n_steps).filter(|step| is_filled(o, *step)).count();
+    origins.into_iter().flatten().flatten().map(of_marker).sum()
+}
+
 /// E3 for one marker at one time.
 fn sample(
     marker: &Marker<'_>,
@@ -145,7 +173,7 @@ fn sample(
     noise_m: Option<f64>,
     reading: PaperReading,
 ) -> Option<WindSample> {
-    let at = |time_secs| position_at(marker.track, frame_rate_hz, time_secs);
+    let at = |time_secs| position_at(&marker.track, frame_rate_hz, time_secs);
     let position_m = at(time_secs)?;
     let (start_m, secs) = match reading {
         // At s = 0 the equation is 0/0: a particle that has had no time tells nothing.
@@ -225,7 +253,7 @@ mod tests {
     use super::*;
 
     fn marker(track: &Track, rest: Vec3) -> Marker<'_> {
-        Marker { strand_idx: 0, marker_idx: 0, track, rest: Some(rest), span_secs: 0.1 }
+        Marker { strand_idx: 0, marker_idx: 0, track: Cow::Borrowed(track), rest: Some(rest), span_secs: 0.1 }
     }
 
     /// A free particle under a constant force of 3 m/s² from rest: x = 3/2 t².
@@ -253,6 +281,16 @@ mod tests {
         assert!(sample(0.01, PaperReading::FirstFrame).is_none());
         assert!(sample(0.03, PaperReading::SlidingWindow).is_some());
         assert!(sample(0.01, PaperReading::RestPose).unwrap().covariance[0].is_infinite());
+    }
+
+    #[test]
+    fn what_was_filled_gives_no_sample_and_what_was_mended_does() {
+        let track: Track = (0..3).map(|_| Some(Vec3::x())).collect();
+        let origins = [SampleKind::Filled, SampleKind::Mended, SampleKind::GivenBack]
+            .map(|kind| Sample { kind, error_m: 1e-3 });
+        let seen: Vec<bool> = seen(&track, Some(&origins)).iter().map(|p| p.is_some()).collect();
+        assert_eq!(seen, [false, true, true]);
+        assert_eq!(n_filled(Some(&[vec![origins.to_vec()]]), 100.0, 2, 50.0), 1);
     }
 
     /// A pendulum that leans by a small angle under a sideways force a hangs at x = l a / g: free fall gives a back.

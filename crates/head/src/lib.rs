@@ -4,10 +4,13 @@
 //! where the cameras saw them, from whichever markers are there and behave, smooths the poses into the track that
 //! a field file carries, and expresses every lock in head space.
 
+mod frames;
+mod labels;
 mod locate;
 mod registration;
 mod shape;
 mod smooth;
 
+pub use frames::{FrameQuality, LabelMended, PoseGap};
 pub use locate::{HeadError, HeadOptions, HeadReport, Located, MarkerReport, locate_head};
 pub use smooth::{PoseTrackReport, SmoothOptions, TrackedPoses};

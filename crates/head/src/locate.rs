@@ -1,8 +1,12 @@
+use crate::frames::{FrameQuality, LabelMended, PoseGap, label_spans, pose_gaps};
+use crate::labels::mend_labels;
 use crate::registration::{Pair, Registration, register};
 use crate::shape::{HeadShape, head_shape};
 use crate::smooth::{PoseTrackReport, SmoothOptions, TrackedPoses, pose_track};
 use serde::Serialize;
-use tousle_core::{Capture, HeadCapture, HeadPose, Session, StrandTracks, Track, UnlabeledTrack};
+use tousle_core::{
+    Capture, FrameSpan, HeadCapture, HeadPose, Session, StrandTracks, Track, UnlabeledTrack, runs,
+};
 
 /// How the head is found.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,14 +45,25 @@ pub struct Located {
 pub struct HeadReport {
     /// Each head marker, in the session's order.
     pub markers: Vec<MarkerReport>,
-    /// Frames (numbered as the file does) without a pose.
-    pub frames_without_pose: Vec<i64>,
+    /// Where there is no pose, and why.
+    pub without_pose: Vec<PoseGap>,
+    /// Samples that stood under another head marker's label.
+    pub labels_mended: Vec<LabelMended>,
+    /// Each frame's own quality.
+    pub frames: FrameQuality,
     /// Root mean square of the per-frame residuals, m; `None` if no frame has a pose.
     pub fit_residual_m: Option<f64>,
     /// White noise of a marker coordinate in the still interval, m; `None` without a still interval.
     pub noise_m: Option<f64>,
     /// How the poses became a smooth track.
     pub pose_track: PoseTrackReport,
+}
+
+impl HeadReport {
+    /// How many frames have no pose.
+    pub fn n_without_pose(&self) -> usize {
+        self.frames.residual_m.iter().filter(|r| r.is_none()).count()
+    }
 }
 
 /// How one head marker behaved.
@@ -64,6 +79,10 @@ pub struct MarkerReport {
     pub trusted: bool,
     /// How far its place in the still frames is from the session's, m.
     pub correction_m: f64,
+    /// Frames in which no camera saw it.
+    pub missing: Vec<FrameSpan>,
+    /// Frames with a pose in which it was seen and left out.
+    pub left_out: Vec<FrameSpan>,
 }
 
 /// Why no head can be found.
@@ -102,8 +121,9 @@ pub enum HeadError {
 /// which would shake a tip 25 cm away by half a millimeter, three times the cameras' own noise.
 ///
 /// The paper takes the head's motion away with 8 markers and does not say how (3.1). Here: the rigid transform
-/// of most agreement over the markers that are seen (MSAC over all triples, then least squares), in two passes:
-/// the second trusts no marker that failed to follow the head in the first.
+/// of most agreement over the markers that are seen (MSAC over all triples, then least squares), in two passes.
+/// After the first, samples that sit on another marker's place are given to that marker (labels that were
+/// exchanged), and the second trusts no marker that failed to follow the head in the first.
 ///
 /// # Errors
 /// [`HeadError`] if the session's markers are not in the capture, are too few, or no frame gives a pose.
@@ -112,10 +132,11 @@ pub fn locate_head(
     session: &Session,
     options: &HeadOptions,
 ) -> Result<Located, HeadError> {
-    let tracks = head_tracks(capture, session)?;
+    let mut tracks: Vec<Track> = head_tracks(capture, session)?.into_iter().cloned().collect();
     let still = session.still_range(capture.first_frame, capture.n_frames);
     let shape = head_shape(&tracks, session, still, 3.0 * options.tolerance_m);
     let first_pass = register_frames(&tracks, &shape, &vec![1.0; tracks.len()], options);
+    let (mislabeled, first_pass) = mend_labels(&mut tracks, &shape, &first_pass, options.tolerance_m);
     let agreement = agreement(&tracks, &first_pass);
     let trust = trust(&agreement, options);
     let registrations = register_frames(&tracks, &shape, &trust, options);
@@ -134,7 +155,9 @@ pub fn locate_head(
         unlabeled: unlabeled_tracks(capture, &poses, &tracked),
         poses,
     };
-    let report = report(&head, session, &tracks, &shape, &agreement, &trust, &tracked);
+    let labels_mended = label_spans(&mislabeled, session, capture.first_frame);
+    let markers = marker_reports(&registrations, session, &tracks, &shape, &agreement, &trust, &head);
+    let report = report(&head, &tracks, markers, labels_mended, &shape, &tracked);
     Ok(Located { head, tracked, report })
 }
 
@@ -169,12 +192,12 @@ fn find_tracks<'a, 'b>(
 }
 
 fn register_frames(
-    tracks: &[&Track],
+    tracks: &[Track],
     shape: &HeadShape,
     trust: &[f64],
     options: &HeadOptions,
 ) -> Vec<Option<Registration>> {
-    let n_frames = tracks.first().map_or(0, |t| t.n_frames());
+    let n_frames = tracks.first().map_or(0, Track::n_frames);
     let pair = |frame: usize, k: usize| {
         let seen_m = tracks[k].at(frame).filter(|_| trust[k] > 0.0)?;
         Some(Pair { marker: k, place_m: shape.places_m[k], seen_m })
@@ -192,7 +215,7 @@ fn register_frames(
 }
 
 /// For each marker the share of its frames in which it agreed with the pose.
-fn agreement(tracks: &[&Track], registrations: &[Option<Registration>]) -> Vec<f64> {
+fn agreement(tracks: &[Track], registrations: &[Option<Registration>]) -> Vec<f64> {
     let share = |k: usize| {
         let seen = registrations
             .iter()
@@ -212,7 +235,7 @@ fn trust(agreement: &[f64], options: &HeadOptions) -> Vec<f64> {
     if trust.iter().sum::<f64>() >= 3.0 { trust } else { vec![1.0; agreement.len()] }
 }
 
-fn head_pose(registration: Option<&Registration>, tracks: &[&Track], frame: usize) -> Option<HeadPose> {
+fn head_pose(registration: Option<&Registration>, tracks: &[Track], frame: usize) -> Option<HeadPose> {
     let registration = registration?;
     Some(HeadPose {
         world_from_head: registration.world_from_head,
@@ -260,29 +283,50 @@ fn to_head(track: &Track, poses: &[Option<HeadPose>], tracked: &TrackedPoses) ->
     })
 }
 
-fn report(
-    head: &HeadCapture,
+fn marker_reports(
+    registrations: &[Option<Registration>],
     session: &Session,
-    tracks: &[&Track],
+    tracks: &[Track],
     shape: &HeadShape,
     agreement: &[f64],
     trust: &[f64],
-    tracked: &TrackedPoses,
-) -> HeadReport {
+    head: &HeadCapture,
+) -> Vec<MarkerReport> {
     let n_frames = head.n_frames();
+    let spans = |has: &dyn Fn(usize) -> bool| -> Vec<FrameSpan> {
+        runs(n_frames, has).iter().map(|run| FrameSpan::of(head.first_frame, run)).collect()
+    };
+    let is_left_out = |k: usize, f: usize| {
+        tracks[k].at(f).is_some() && registrations[f].as_ref().is_some_and(|r| !r.used.contains(&k))
+    };
     let marker = |k: usize| MarkerReport {
         label: session.head_markers[k].label.clone(),
         seen: tracks[k].n_valid() as f64 / n_frames.max(1) as f64,
         agreed: agreement[k],
         trusted: trust[k] > 0.0,
         correction_m: shape.correction_m[k],
+        missing: spans(&|f| tracks[k].at(f).is_none()),
+        left_out: spans(&|f| is_left_out(k, f)),
     };
-    let without = (0..n_frames).filter(|&f| head.poses[f].is_none()).map(|f| head.first_frame + f as i64);
+    (0..tracks.len()).map(marker).collect()
+}
+
+fn report(
+    head: &HeadCapture,
+    tracks: &[Track],
+    markers: Vec<MarkerReport>,
+    labels_mended: Vec<LabelMended>,
+    shape: &HeadShape,
+    tracked: &TrackedPoses,
+) -> HeadReport {
+    let frames = FrameQuality::of(&head.poses, tracks);
     let residuals: Vec<f64> =
         head.poses.iter().flatten().map(|p| p.fit_residual_m * p.fit_residual_m).collect();
     HeadReport {
-        markers: (0..tracks.len()).map(marker).collect(),
-        frames_without_pose: without.collect(),
+        markers,
+        without_pose: pose_gaps(&frames, head.first_frame),
+        labels_mended,
+        frames,
         fit_residual_m: (!residuals.is_empty())
             .then(|| (residuals.iter().sum::<f64>() / residuals.len() as f64).sqrt()),
         noise_m: shape.noise_m,

@@ -16,9 +16,9 @@ pub(crate) struct HeadShape {
 /// The shape is therefore taken from the still frames and only *placed* by the session: the means of the still
 /// frames, carried into head space by the best fit to the session's places. Without this, the pose jumps by up
 /// to a millimeter whenever a marker comes or goes. A marker not seen in the still frames keeps its session
-/// place.
+/// place; so does one that stands still on another one's place: its label was exchanged.
 pub(crate) fn head_shape(
-    tracks: &[&Track],
+    tracks: &[Track],
     session: &Session,
     still: Option<(usize, usize)>,
     tolerance_m: f64,
@@ -46,6 +46,13 @@ pub(crate) fn head_shape(
         if let Some(mean) = mean {
             let place =
                 world_from_head.inverse_transform_vector(&(mean - world_from_head.translation.vector));
+            let nearest = session_places
+                .iter()
+                .enumerate()
+                .min_by(|a, b| (a.1 - place).norm().total_cmp(&(b.1 - place).norm()));
+            if nearest.is_some_and(|(n, at)| n != k && (at - place).norm() < tolerance_m) {
+                continue;
+            }
             shape.correction_m[k] = (place - session_places[k]).norm();
             shape.places_m[k] = place;
         }
@@ -67,7 +74,7 @@ fn still_mean(track: &Track, first: usize, last: usize) -> Option<Vec3> {
 }
 
 /// White noise of one coordinate, m: from the median absolute deviation over all still samples.
-fn still_noise(tracks: &[&Track], means: &[Option<Vec3>], first: usize, last: usize) -> Option<f64> {
+fn still_noise(tracks: &[Track], means: &[Option<Vec3>], first: usize, last: usize) -> Option<f64> {
     let mut deviations = Vec::new();
     for (track, mean) in tracks.iter().zip(means) {
         let Some(mean) = mean else { continue };

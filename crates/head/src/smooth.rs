@@ -52,7 +52,8 @@ pub struct PoseTrackReport {
 /// Makes of the poses of a capture a smooth track.
 ///
 /// Position and rotation vector (about the pose in the window's middle) are fitted by a parabola over a sliding
-/// window (Savitzky and Golay 1964), frames without a pose bridged by the same fit. A head whose smooth poses
+/// window (Savitzky and Golay 1964), frames without a pose bridged by the same fit over a window that reaches
+/// poses on both sides; before the first pose and after the last one the head is held. A head whose smooth poses
 /// do not stray from their mean by more than what noise makes of a still one gives a track of one pose, so
 /// that a simulator can leave the head's motion out.
 ///
@@ -66,7 +67,7 @@ pub(crate) fn pose_track(
 ) -> TrackedPoses {
     let known: Vec<(usize, Pose)> = poses.iter().enumerate().filter_map(|(f, p)| Some((f, (*p)?))).collect();
     let half = options.window_secs.map_or_else(|| best_half(&known, rate_hz), |secs| half(secs, rate_hz));
-    let smooth: Vec<Pose> = (0..poses.len()).map(|frame| smooth_pose(&known, frame, half)).collect();
+    let smooth: Vec<Pose> = (0..poses.len()).map(|frame| bridged_pose(&known, frame, half)).collect();
     let rest: Vec<Pose> = match still {
         Some((first, last)) => {
             known.iter().filter(|(f, _)| (first..=last).contains(f)).map(|(_, p)| *p).collect()
@@ -113,9 +114,8 @@ fn foretelling_error(known: &[(usize, Pose)], half: usize) -> f64 {
     // Some hundred frames tell as much as all.
     let stride = known.len() / 400 + 1;
     for (at, (frame, pose)) in known.iter().enumerate().step_by(stride) {
-        let mut others: Vec<(usize, Pose)> = known[..at].to_vec();
-        let from = others.partition_point(|(f, _)| *f + half < *frame);
-        others.drain(..from);
+        let from = known.partition_point(|(f, _)| *f + half < *frame);
+        let mut others: Vec<(usize, Pose)> = known[from..at].to_vec();
         others.extend(known[at + 1..].iter().take_while(|(f, _)| *f <= frame + half));
         if others.len() < 3 {
             continue;
@@ -125,6 +125,22 @@ fn foretelling_error(known: &[(usize, Pose)], half: usize) -> f64 {
         sum += (foretold.translation.vector - pose.translation.vector).norm_squared() + angle * angle;
     }
     sum
+}
+
+/// The smooth pose of any frame, seen or not.
+///
+/// A parabola through poses on one side only runs away: a window about a frame without a pose grows until it
+/// holds three poses on either side, or as many as there are.
+fn bridged_pose(known: &[(usize, Pose)], frame: usize, half: usize) -> Pose {
+    let (first, last) = (known[0].0, known[known.len() - 1].0);
+    let frame = frame.clamp(first, last);
+    let at = known.partition_point(|(f, _)| *f < frame);
+    if known[at].0 == frame {
+        return smooth_pose(known, frame, half);
+    }
+    let third_before = known[at.saturating_sub(3)].0;
+    let third_after = known[(at + 2).min(known.len() - 1)].0;
+    smooth_pose(known, frame, half.max(frame - third_before).max(third_after - frame))
 }
 
 /// The parabola over the window about a frame; the window grows until it holds three poses (or all there are).
@@ -208,6 +224,28 @@ mod tests {
         for k in [10, 22, 40] {
             let off = tracked.poses.poses[k].translation.vector - pose(k as f64).translation.vector;
             assert!(off.norm() < 1e-12, "{k}: {off}");
+        }
+    }
+
+    /// Where nothing is seen for long the track runs straight on, and is held at the ends: it does not fly off.
+    #[test]
+    fn a_long_gap_is_bridged_from_both_sides() {
+        let mut state = 7_u64;
+        let mut noise = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((state >> 33) as f64 / f64::from(1_u32 << 31) - 0.5) * 4e-4
+        };
+        let poses: Vec<_> = (0..200)
+            .map(|k| {
+                let pose = Pose::translation(1e-3 * f64::from(k) + noise(), noise(), 1.5 + noise());
+                (!(60..140).contains(&k) && (10..190).contains(&k)).then_some(pose)
+            })
+            .collect();
+        let tracked = pose_track(&poses, 120.0, None, &SmoothOptions::default());
+        for (k, pose) in tracked.poses.poses.iter().enumerate() {
+            let place = k.clamp(10, 189) as f64 * 1e-3;
+            let off = (pose.translation.vector - Vec3::new(place, 0.0, 1.5)).norm();
+            assert!(off < 2e-3, "{k}: {off}");
         }
     }
 

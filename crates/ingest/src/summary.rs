@@ -1,6 +1,9 @@
+use crate::label::Label;
+use crate::recording::Role;
 use crate::{CaptureFormat, IngestError};
 use serde::Serialize;
 use std::fmt;
+use tousle_core::UpAxis;
 
 /// What is in a capture file, in the file's own unit and words.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -28,6 +31,15 @@ pub struct CaptureSummary {
     pub other: Vec<OtherContent>,
     /// What is odd about the file.
     pub warnings: Vec<String>,
+    /// The axis that the file says is up. Not in JSON, whose fields are settled.
+    #[serde(skip)]
+    pub up_axis: Option<UpAxis>,
+    /// The prefixes of the labels, in the order in which they first occur. Not in JSON.
+    #[serde(skip)]
+    pub subjects: Vec<String>,
+    /// Points that nobody labeled. Not in JSON.
+    #[serde(skip)]
+    pub n_unlabeled: usize,
 }
 
 /// One point of a [`CaptureSummary`].
@@ -39,6 +51,12 @@ pub struct TrajectorySummary {
     pub valid: usize,
     /// Mean over the valid samples, in the file's own unit; none without such a sample.
     pub mean: Option<[f64; 3]>,
+    /// Runs of rows without a position. Not in JSON.
+    #[serde(skip)]
+    pub gaps: usize,
+    /// Rows of the longest of them. Not in JSON.
+    #[serde(skip)]
+    pub longest_gap: usize,
 }
 
 /// Something in a capture file that is counted and not loaded: analog channels, events, rotations.
@@ -69,8 +87,8 @@ pub fn summarize(bytes: &[u8]) -> Result<CaptureSummary, IngestError> {
     let all: Vec<usize> = (0..recording.points.len()).collect();
     let mut sums = vec![Sum::default(); all.len()];
     let mut n_zeros = 0;
-    recording.visit(&all, |k, _, position| {
-        sums[k].add(position);
+    recording.visit(&all, |k, row, position| {
+        sums[k].add(row, position);
         n_zeros += usize::from(position == [0.0; 3]);
     })?;
     if n_zeros > 0 {
@@ -85,7 +103,17 @@ pub fn summarize(bytes: &[u8]) -> Result<CaptureSummary, IngestError> {
         label: label.unwrap_or_default(),
         valid: sum.n,
         mean: sum.mean(),
+        gaps: sum.gaps + usize::from(sum.next_row < frames),
+        longest_gap: sum.longest_gap.max(frames - sum.next_row),
     });
+    let of_markers = recording.points.iter().filter(|p| p.role == Role::Marker).enumerate();
+    let names: Vec<Label> = of_markers.map(|(idx, p)| Label::of(idx, p.label.as_deref())).collect();
+    let mut subjects: Vec<String> = Vec::new();
+    for subject in names.iter().filter_map(|name| name.subject.as_ref()) {
+        if !subjects.contains(subject) {
+            subjects.push(subject.clone());
+        }
+    }
     Ok(CaptureSummary {
         kind: "capture",
         format: recording.format,
@@ -98,19 +126,28 @@ pub fn summarize(bytes: &[u8]) -> Result<CaptureSummary, IngestError> {
         trajectories: trajectories.collect(),
         other: recording.other,
         warnings: recording.warnings,
+        up_axis: recording.up_axis,
+        subjects,
+        n_unlabeled: names.iter().filter(|name| name.name.starts_with('*')).count(),
     })
 }
 
-/// The sum of the positions of one point.
+/// The sum of the positions of one point, whose rows come in order, and the gaps between them.
 #[derive(Clone, Default)]
 struct Sum {
     n: usize,
     total: [f64; 3],
+    next_row: usize,
+    gaps: usize,
+    longest_gap: usize,
 }
 
 impl Sum {
-    fn add(&mut self, position: [f64; 3]) {
+    fn add(&mut self, row: usize, position: [f64; 3]) {
         self.n += 1;
+        self.gaps += usize::from(row > self.next_row);
+        self.longest_gap = self.longest_gap.max(row - self.next_row);
+        self.next_row = row + 1;
         for (total, coordinate) in self.total.iter_mut().zip(position) {
             *total += coordinate;
         }
@@ -124,6 +161,20 @@ impl Sum {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Seen in rows 2 and 3 of 0 to 5: a gap at either end, the longest of two rows.
+    #[test]
+    fn gaps_are_counted_at_both_ends_too() {
+        let rows = ["7,0,,,,,,", "8,0,,,,1,2,3", "9,0,1,2,3,,,", "10,0,1,2,3,1,2,3", "11,0,,,,,,"];
+        let csv = format!(
+            "Trajectories\n120\n,,Wig:A,,,Ann:B,,\nFrame,Sub Frame,X,Y,Z,X,Y,Z\n,,mm,mm,mm,mm,mm,mm\n{}\n",
+            rows.join("\n")
+        );
+        let summary = summarize(csv.as_bytes()).unwrap();
+        let gaps: Vec<_> = summary.trajectories.iter().map(|t| (t.gaps, t.longest_gap)).collect();
+        assert_eq!(gaps, [(2, 2), (3, 1)]);
+        assert_eq!(summary.subjects, ["Wig", "Ann"]);
+    }
 
     #[test]
     fn the_contract_of_inspect() {

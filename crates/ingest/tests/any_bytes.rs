@@ -1,7 +1,12 @@
 //! Whatever the bytes, there is an answer and no panic.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+#[path = "support/exercise.rs"]
+mod exercise;
+
+use exercise::{exercise_capture, exercise_session};
 use proptest::prelude::*;
-use tousle_ingest::{IngestOptions, guess_format, read_capture, read_session, summarize};
 
 /// Beginnings that lead a guess to each reader.
 const BEGINNINGS: [&[u8]; 6] = [
@@ -20,7 +25,29 @@ proptest! {
         bytes in prop::collection::vec(prop_oneof![any::<u8>(), prop::sample::select(b"0123456789.,-\n\r\";:{}[]".to_vec())], 0..600),
     ) {
         let bytes = [BEGINNINGS[beginning], &bytes].concat();
-        let _ = (guess_format(&bytes), summarize(&bytes), read_session(&bytes));
-        let _ = read_capture(&bytes, &IngestOptions::default());
+        exercise_capture(&bytes);
+        exercise_session(&bytes);
+    }
+}
+
+/// The seeds of the fuzz target `capture`, and inputs that once failed.
+#[test]
+fn every_seed_of_a_capture() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds/capture");
+    let seeds: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    assert!(!seeds.is_empty());
+    for seed in seeds {
+        exercise_capture(&std::fs::read(seed).unwrap());
+    }
+}
+
+/// The seeds of the fuzz target `session`, and inputs that once failed.
+#[test]
+fn every_seed_of_a_session() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds/session");
+    let seeds: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    assert!(!seeds.is_empty());
+    for seed in seeds {
+        exercise_session(&std::fs::read(seed).unwrap());
     }
 }

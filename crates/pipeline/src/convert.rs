@@ -1,12 +1,12 @@
-use crate::report::CaptureSummary;
-use crate::{ConversionReport, Watch};
-use tousle_core::{Capture, HeadCapture, STANDARD_GRAVITY, Session};
-use tousle_eff::{Attachment, Eff};
+use crate::{ConversionReport, PrepareOptions, Prepared, Watch, attachments, prepare};
+use tousle_clean::CleanError;
+use tousle_core::STANDARD_GRAVITY;
+use tousle_eff::Eff;
 use tousle_field::{GridError, GridSpec, Scene};
-use tousle_fit::{Fit, FitError, FitMethod, FitOptions};
-use tousle_head::{HeadError, HeadOptions, Located};
-use tousle_ingest::{CheckError, IngestError, IngestOptions, Ingested, SessionError};
-use tousle_raster::{Raster, RasterError, RasterMethod, RasterOptions};
+use tousle_fit::{FitError, FitMethod, FitOptions};
+use tousle_head::HeadError;
+use tousle_ingest::{CheckError, IngestError, SessionError};
+use tousle_raster::{RasterError, RasterMethod, RasterOptions};
 
 /// A file's name, for messages, and its bytes.
 #[derive(Clone, Copy, Debug)]
@@ -20,10 +20,8 @@ pub struct Input<'a> {
 /// How a capture becomes a field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvertOptions {
-    /// How the marker file is read; what is not given here the session says.
-    pub ingest: IngestOptions,
-    /// How the head is found and its poses smoothed.
-    pub head: HeadOptions,
+    /// How the capture is read, seen from the head, and cleaned.
+    pub prepare: PrepareOptions,
     /// How motion becomes wind, and at which rate.
     pub fit: FitOptions,
     /// Edge of the grid, m.
@@ -34,13 +32,7 @@ pub struct ConvertOptions {
 
 impl Default for ConvertOptions {
     fn default() -> Self {
-        Self {
-            ingest: IngestOptions::default(),
-            head: HeadOptions::default(),
-            fit: FitOptions::default(),
-            extent_m: 0.6,
-            edge_m: 0.02,
-        }
+        Self { prepare: PrepareOptions::default(), fit: FitOptions::default(), extent_m: 0.6, edge_m: 0.02 }
     }
 }
 
@@ -49,10 +41,8 @@ impl Default for ConvertOptions {
 pub struct Converted {
     /// The field with all that travels with it.
     pub eff: Eff,
-    /// What the people in the room knew.
-    pub session: Session,
-    /// The capture in head space.
-    pub head: HeadCapture,
+    /// The capture that the field was made from.
+    pub prepared: Prepared,
     /// What happened.
     pub report: ConversionReport,
 }
@@ -98,12 +88,18 @@ pub enum ConvertError {
     /// The head.
     #[error("cannot find the head")]
     Head(#[from] HeadError),
+    /// The locks' tracks.
+    #[error("cannot clean the locks' tracks")]
+    Clean(#[from] CleanError),
     /// The wind at the markers.
     #[error("cannot tell the wind from the markers")]
     Fit(#[from] FitError),
     /// The field.
     #[error("cannot fill the grid")]
     Raster(#[from] RasterError),
+    /// The report that travels with the field.
+    #[error("cannot write the report")]
+    Report(#[from] serde_json::Error),
 }
 
 /// The program and its version, as field files name it.
@@ -124,21 +120,12 @@ pub fn convert(
     watch: &dyn Watch,
 ) -> Result<Converted, ConvertError> {
     let grid = GridSpec::cube(options.extent_m, options.edge_m)?;
-    let session_name = || session.name.to_owned();
-    let known = tousle_ingest::read_session(session.bytes)
-        .map_err(|source| ConvertError::Session { name: session_name(), source })?;
-    let ingested = read_capture(capture, &known, &options.ingest, watch)?;
-    let check_warnings = tousle_ingest::check_against(&ingested.capture, &known).map_err(|source| {
-        ConvertError::Mismatch { session: session_name(), capture: capture.name.to_owned(), source }
-    })?;
-    let up_axis = known.up_axis.or(ingested.capture.up_axis).ok_or(ConvertError::NoUpAxis)?;
-
-    let stage = watch.stage("head");
-    let located = tousle_head::locate_head(&ingested.capture, &known, &options.head)?;
-    drop(stage);
+    let prepared = prepare(capture, session, &options.prepare, watch)?;
+    let known = &prepared.session;
+    let up_axis = known.up_axis.or(prepared.ingested.capture.up_axis).ok_or(ConvertError::NoUpAxis)?;
 
     let stage = watch.stage("fit");
-    let fit = tousle_fit::fit(&located.head, &known, &options.fit)?;
+    let fit = tousle_fit::fit(prepared.head(), prepared.samples(), known, &options.fit)?;
     drop(stage);
 
     let stage = watch.stage("raster");
@@ -147,13 +134,20 @@ pub fn convert(
     drop(stage);
 
     let scene = Scene {
-        poses: located.tracked.poses.clone(),
-        rest_pose: located.tracked.rest_pose,
+        poses: prepared.located.tracked.poses.clone(),
+        rest_pose: prepared.located.tracked.rest_pose,
         gravity_world: -up_axis.vector() * STANDARD_GRAVITY,
         air_density: known.air_density,
         body: known.body.clone(),
     };
-    let report = report(&known, &ingested, check_warnings, &located, &fit, &raster, options);
+    let mut report = ConversionReport {
+        method: method_name(&options.fit).to_owned(),
+        quality: prepared.quality.clone(),
+        fit: fit.report,
+        raster: raster.report,
+        losses: Vec::new(),
+    };
+    report.find_losses();
     let eff = Eff {
         name: known.name.clone(),
         method: method_name(&options.fit).to_owned(),
@@ -161,27 +155,9 @@ pub fn convert(
         field: raster.sequence,
         scene,
         samples: Some(fit.samples),
-        attachments: attachments(session, &report),
+        attachments: attachments(session, &report)?,
     };
-    Ok(Converted { eff, session: known, head: located.head, report })
-}
-
-fn read_capture(
-    capture: Input<'_>,
-    session: &Session,
-    asked: &IngestOptions,
-    watch: &dyn Watch,
-) -> Result<Ingested, ConvertError> {
-    let _stage = watch.stage("read");
-    let of_session = IngestOptions::from_session(session);
-    let options = IngestOptions {
-        unit: asked.unit.or(of_session.unit),
-        rate_hz: asked.rate_hz.or(of_session.rate_hz),
-        subject: asked.subject.clone().or(of_session.subject),
-        ..asked.clone()
-    };
-    tousle_ingest::read_capture(capture.bytes, &options)
-        .map_err(|source| ConvertError::Capture { name: capture.name.to_owned(), source })
+    Ok(Converted { eff, prepared, report })
 }
 
 fn method_name(options: &FitOptions) -> &'static str {
@@ -189,63 +165,4 @@ fn method_name(options: &FitOptions) -> &'static str {
         FitMethod::Paper(_) => "paper",
         _ => "unknown",
     }
-}
-
-fn report(
-    session: &Session,
-    ingested: &Ingested,
-    check_warnings: Vec<String>,
-    located: &Located,
-    fit: &Fit,
-    raster: &Raster,
-    options: &ConvertOptions,
-) -> ConversionReport {
-    let mut ingest = ingested.report.clone();
-    ingest.warnings.extend(check_warnings);
-    let mut report = ConversionReport {
-        method: method_name(&options.fit).to_owned(),
-        capture: summary(&ingested.capture, ingested.format.name(), &located.head),
-        assumed: session.assumed.clone(),
-        ingest,
-        head: located.report.clone(),
-        fit: fit.report.clone(),
-        raster: raster.report.clone(),
-        losses: Vec::new(),
-    };
-    report.find_losses();
-    report
-}
-
-fn summary(capture: &Capture, format: &str, head: &HeadCapture) -> CaptureSummary {
-    let tracks = || head.strands.iter().flat_map(|s| &s.markers);
-    let seen: usize = tracks().map(tousle_core::Track::n_valid).sum();
-    let all = tracks().count() * capture.n_frames;
-    CaptureSummary {
-        format: format.to_owned(),
-        n_frames: capture.n_frames,
-        rate_hz: capture.rate_hz,
-        duration_secs: capture.duration_secs(),
-        n_trajectories: capture.trajectories.len(),
-        n_unlabeled: capture.trajectories.iter().filter(|t| t.is_unlabeled()).count(),
-        seen: seen as f64 / all.max(1) as f64,
-    }
-}
-
-fn attachments(session: Input<'_>, report: &ConversionReport) -> Vec<Attachment> {
-    let is_toml = !session.bytes.trim_ascii_start().starts_with(b"{");
-    let (name, media_type) =
-        if is_toml { ("session.toml", "application/toml") } else { ("session.json", "application/json") };
-    let report = serde_json::to_vec_pretty(report).expect("a report is made of strings, numbers and lists");
-    vec![
-        Attachment {
-            name: name.to_owned(),
-            media_type: media_type.to_owned(),
-            bytes: session.bytes.to_vec(),
-        },
-        Attachment {
-            name: "report.json".to_owned(),
-            media_type: "application/json".to_owned(),
-            bytes: report,
-        },
-    ]
 }

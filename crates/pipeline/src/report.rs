@@ -1,17 +1,16 @@
 use serde::Serialize;
+use tousle_clean::CleanReport;
 use tousle_core::Assumption;
 use tousle_fit::FitReport;
 use tousle_head::HeadReport;
 use tousle_ingest::IngestReport;
 use tousle_raster::RasterReport;
 
-/// What happened in a conversion, stage by stage. It travels in the field file as `report.json`.
-///
-/// No times of day and no durations: the same input gives the same bytes.
+/// How good a capture is, and everything that was odd, assumed, left out or changed before wind was told from it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ConversionReport {
-    /// Which method was used.
-    pub method: String,
+pub struct QualityReport {
+    /// The session's name.
+    pub name: String,
     /// The capture's format, frames, rate and trajectories.
     pub capture: CaptureSummary,
     /// Values that nobody gave, and the defaults that stand for them.
@@ -20,6 +19,20 @@ pub struct ConversionReport {
     pub ingest: IngestReport,
     /// How the head was found.
     pub head: HeadReport,
+    /// What cleaning changed; `None` if the locks were left as the file has them.
+    pub clean: Option<CleanReport>,
+}
+
+/// What happened in a conversion, stage by stage. It travels in the field file as `report.json`.
+///
+/// No times of day and no durations: the same input gives the same bytes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ConversionReport {
+    /// Which method was used.
+    pub method: String,
+    /// How good the capture is, and what was changed in it.
+    #[serde(flatten)]
+    pub quality: QualityReport,
     /// How motion became wind.
     pub fit: FitReport,
     /// How the grid was filled.
@@ -35,15 +48,17 @@ pub struct CaptureSummary {
     pub format: String,
     /// Frames.
     pub n_frames: usize,
+    /// The number the file gives its first frame.
+    pub first_frame: i64,
     /// Frames a second.
     pub rate_hz: f64,
     /// How long it lasts, s.
     pub duration_secs: f64,
     /// Labeled and unlabeled trajectories.
     pub n_trajectories: usize,
-    /// Trajectories that nobody labeled; this method does not use them.
+    /// Trajectories that nobody labeled: pieces of lost markers, or ghosts.
     pub n_unlabeled: usize,
-    /// Share of the session's lock markers times frames that was seen.
+    /// Share of the session's lock markers times frames that was seen under its own label and with a head pose.
     pub seen: f64,
 }
 
@@ -51,13 +66,13 @@ impl ConversionReport {
     /// What was asked for and is not in the field.
     pub(crate) fn find_losses(&mut self) {
         let mut losses = Vec::new();
-        if let Some((claimed, found)) = self.ingest.cut {
+        let QualityReport { capture, ingest, head, .. } = &self.quality;
+        if let Some((claimed, found)) = ingest.cut {
             losses.push(format!("the capture is cut off: {found} of {claimed} frames are there"));
         }
-        if !self.head.frames_without_pose.is_empty() {
-            let n = self.head.frames_without_pose.len();
-            losses
-                .push(format!("{n} of {} frames have no head pose and were left out", self.capture.n_frames));
+        let n = head.n_without_pose();
+        if n > 0 {
+            losses.push(format!("{n} of {} frames have no head pose and were left out", capture.n_frames));
         }
         if !self.fit.strands_skipped.is_empty() {
             losses.push(format!("locks that gave no sample at all: {}", self.fit.strands_skipped.join(", ")));

@@ -28,7 +28,7 @@ pub enum TrcError {
 
 impl TrcError {
     pub(crate) fn cell(line: u64, column_idx: usize, found: &[u8], expected: &'static str) -> Self {
-        let found: String = crate::line::text(found).chars().take(60).collect();
+        let found = tousle_cells::shorten(&tousle_cells::text(found));
         Self::Cell { line, column: column_idx + 1, found, expected }
     }
 

@@ -1,6 +1,6 @@
 use crate::TrcError;
-use crate::line::{Line, Lines, Separator, filled_len, text};
-use crate::number::{Numbers, whole};
+use crate::line::{Line, Lines, Separator, filled_len};
+use tousle_cells::{Numbers, text, whole};
 
 /// What the header says. Its counts can be wrong: the body is what is there.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -19,7 +19,6 @@
 mod error;
 mod header;
 mod line;
-mod number;
 mod read;
 
 pub use error::TrcError;
@@ -28,7 +27,7 @@ pub use read::{Marker, Trc, read};
 
 /// Whether bytes look like a TRC: one of the first two lines begins with the word that all of them begin with.
 pub fn detect(bytes: &[u8]) -> bool {
-    let bytes = line::plain(bytes);
+    let bytes = &*tousle_cells::plain(bytes);
     let starts = |line: line::Line| {
         let text = line.bytes.trim_ascii().to_ascii_lowercase();
         text.starts_with(b"pathfiletype") || text.starts_with(b"datarate")

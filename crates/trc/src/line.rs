@@ -72,19 +72,6 @@ impl Separator {
     }
 }
 
-/// The bytes without a byte order mark.
-pub(crate) fn plain(bytes: &[u8]) -> &[u8] {
-    bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
-}
-
-/// A cell as text: UTF-8 if it is that, otherwise Latin-1, which gives every byte a character.
-pub(crate) fn text(cell: &[u8]) -> String {
-    match std::str::from_utf8(cell) {
-        Ok(text) => text.trim().to_owned(),
-        Err(_) => cell.iter().map(|b| char::from(*b)).collect::<String>().trim().to_owned(),
-    }
-}
-
 /// How many cells there are up to the last one with something in it.
 pub(crate) fn filled_len(cells: &[&[u8]]) -> usize {
     cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |idx| idx + 1)

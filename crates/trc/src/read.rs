@@ -1,6 +1,6 @@
-use crate::line::{Line, Lines, Separator, filled_len, plain, text};
-use crate::number::{Numbers, whole};
+use crate::line::{Line, Lines, Separator, filled_len};
 use crate::{Header, TrcError, header};
+use tousle_cells::{Numbers, plain, text, whole};
 
 /// A TRC file.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +32,8 @@ pub struct Marker {
 /// [`TrcError`] if the header breaks off, if a row does not begin with a frame number and a time, if a cell of a
 /// marker holds anything but a number, or if a line separated by commas has more cells than there are labels for.
 pub fn read(bytes: &[u8]) -> Result<Trc, TrcError> {
-    let mut lines = Lines::new(plain(bytes));
+    let bytes = &*plain(bytes);
+    let mut lines = Lines::new(bytes);
     let (header, separator) = header::read(&mut lines)?;
     let label_line = header::next(&mut lines, 4, "a line that begins with `Frame#`")?;
     let labels = labels(separator, &label_line)?;

@@ -1,5 +1,11 @@
 //! What holds for every sequence of bytes.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+#[path = "support/exercise.rs"]
+mod exercise;
+
+use exercise::exercise;
 use proptest::prelude::*;
 use proptest::sample::Index;
 
@@ -23,7 +29,7 @@ proptest! {
                 None => drop(bytes.remove(idx)),
             }
         }
-        let _ = (tousle_trc::read(&bytes), tousle_trc::detect(&bytes));
+        exercise(&bytes);
     }
 
     /// No bytes make the reader panic.
@@ -31,6 +37,18 @@ proptest! {
     fn any_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
         let header = b"DataRate\tUnits\n1\tmm\nFrame#\tTime\tA\n";
         let below = [&header[..], &bytes].concat();
-        let _ = (tousle_trc::read(&bytes), tousle_trc::read(&below), tousle_trc::detect(&bytes));
+        exercise(&bytes);
+        exercise(&below);
+    }
+}
+
+/// The seeds of the fuzz target, and inputs that once failed.
+#[test]
+fn every_seed() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds/trc");
+    let seeds: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    assert!(!seeds.is_empty());
+    for seed in seeds {
+        exercise(&std::fs::read(seed).unwrap());
     }
 }

@@ -1,14 +1,15 @@
-use super::{check_ending, name, print_json, write_eff, write_options};
+use super::{check_ending, name, print_json, quality, read_options, write_eff, write_options};
 use crate::args::{ConvertArgs, MethodArg, ReadingArg};
 use crate::ui::Outcome;
 use std::fmt::Write;
+use tousle_clean::CleanOptions;
 use tousle_fit::{FitMethod, FitOptions, PaperOptions, PaperReading, PaperSpan};
-use tousle_ingest::IngestOptions;
-use tousle_pipeline::{ConversionReport, ConvertOptions, Input, Watch, read_file};
+use tousle_pipeline::{ConversionReport, ConvertOptions, Input, PrepareOptions, Watch, read_file};
 
 /// `tousle convert`
 pub fn run(args: &ConvertArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     check_ending(&args.output, &["mcap"])?;
+    quality::check_reports(&args.report)?;
     let pack = write_options(&args.pack)?;
     let capture = read_file(&args.capture)?;
     let session = read_file(&args.session)?;
@@ -19,6 +20,7 @@ pub fn run(args: &ConvertArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         watch,
     )?;
     let written = write_eff(&converted.eff, &args.output, &pack, watch)?;
+    quality::write_reports(&args.report, &args.capture, &converted.prepared)?;
     let report = &converted.report;
     if args.json {
         print_json(report)?;
@@ -47,48 +49,31 @@ fn options(args: &ConvertArgs) -> ConvertOptions {
     let method = match args.method {
         MethodArg::Paper => FitMethod::Paper(PaperOptions { reading, span }),
     };
-    let ingest = IngestOptions {
-        unit: args.read.unit,
-        subject: args.read.subject.clone(),
-        allow_cut: args.read.allow_cut,
-        ..IngestOptions::default()
+    let prepare = PrepareOptions {
+        ingest: read_options(&args.read),
+        clean: (!args.no_clean).then(CleanOptions::default),
+        ..PrepareOptions::default()
     };
     ConvertOptions {
-        ingest,
+        prepare,
         fit: FitOptions { method, rate_hz: args.rate_hz },
         extent_m: args.extent_mm * 1e-3,
         edge_m: args.voxel_mm * 1e-3,
-        ..ConvertOptions::default()
     }
 }
 
-/// What a technician wants to know at once.
+/// What happened, in a few lines.
 pub fn summary(report: &ConversionReport) -> String {
-    let mut text = String::new();
-    let capture = &report.capture;
+    let mut text = quality::summary(&report.quality);
     let mut line = |label: &str, words: String| {
         let _ = writeln!(text, "{label:>10}  {words}");
     };
-    line(
-        "capture",
-        format!(
-            "{}, {} frames at {} Hz ({:.2} s), {} trajectories ({} unlabeled), {:.1} % of lock samples seen",
-            capture.format,
-            capture.n_frames,
-            capture.rate_hz,
-            capture.duration_secs,
-            capture.n_trajectories,
-            capture.n_unlabeled,
-            100.0 * capture.seen
-        ),
-    );
-    line("head", head_line(report));
     let fit = &report.fit;
     line(
         "wind",
         format!(
-            "{}: {} samples in {} steps, {} missing",
-            fit.method, fit.n_samples, fit.n_steps, fit.n_missing
+            "{}: {} samples in {} steps, {} missing ({} of them filled, which this method does not use)",
+            fit.method, fit.n_samples, fit.n_steps, fit.n_missing, fit.n_filled
         ),
     );
     let raster = &report.raster;
@@ -103,26 +88,11 @@ pub fn summary(report: &ConversionReport) -> String {
             percent(raster.n_outside)
         ),
     );
-    for assumption in &report.assumed {
+    for assumption in &report.quality.assumed {
         line("assumed", format!("{} = {} ({})", assumption.what, assumption.value, assumption.why));
     }
-    for warning in &report.ingest.warnings {
+    for warning in &report.quality.ingest.warnings {
         line("warning", warning.clone());
     }
     text
-}
-
-fn head_line(report: &ConversionReport) -> String {
-    let head = &report.head;
-    let trusted = head.markers.iter().filter(|m| m.trusted).count();
-    let left_out: Vec<&str> = head.markers.iter().filter(|m| !m.trusted).map(|m| m.label.as_str()).collect();
-    let mut words = format!("{trusted} of {} markers follow it", head.markers.len());
-    if !left_out.is_empty() {
-        let _ = write!(words, " (left out: {})", left_out.join(", "));
-    }
-    if let Some(residual_m) = head.fit_residual_m {
-        let _ = write!(words, ", fit residual {:.2} mm", residual_m * 1e3);
-    }
-    let _ = write!(words, ", {}", if head.pose_track.moves { "moves" } else { "still" });
-    words
 }

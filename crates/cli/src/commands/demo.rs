@@ -95,7 +95,10 @@ fn convert(folder: &Folder<'_>, log: &mut Log, watch: &dyn Watch) -> anyhow::Res
         let report = &converted.report;
         let text = format!(
             "{} frames of {} trajectories became {} time steps of wind from {} samples",
-            report.capture.n_frames, report.capture.n_trajectories, report.fit.n_steps, report.fit.n_samples
+            report.quality.capture.n_frames,
+            report.quality.capture.n_trajectories,
+            report.fit.n_steps,
+            report.fit.n_samples
         );
         Ok((converted, text))
     })?;
@@ -221,8 +224,8 @@ fn page(
         title: "Hair in the wind, measured once, worn by any hairstyle",
         intro: &intro,
         source: "gusts.c3d: 4 s of a wig on a mannequin in a gusting wind, embedded in the program",
-        capture: &converted.head,
-        session: &converted.session,
+        capture: &converted.prepared.located.head,
+        session: &converted.prepared.session,
         field: &converted.eff.field,
         scene: &converted.eff.scene,
         hair: &hair,
@@ -248,13 +251,16 @@ fn figures(converted: &Converted, simulated: &Simulation, effects: &EditEffects)
     let mut figures = vec![
         figure(
             "lock samples seen",
-            format!("{:.1}", 100.0 * report.capture.seen),
+            format!("{:.1}", 100.0 * report.quality.capture.seen),
             "%",
-            format!("of {} markers in {} frames", report.capture.n_trajectories, report.capture.n_frames),
+            format!(
+                "of {} markers in {} frames",
+                report.quality.capture.n_trajectories, report.quality.capture.n_frames
+            ),
         ),
         figure(
             "head found to",
-            format!("{:.2}", report.head.fit_residual_m.unwrap_or_default() * 1e3),
+            format!("{:.2}", report.quality.head.fit_residual_m.unwrap_or_default() * 1e3),
             "mm",
             "rms distance of its markers from their places".to_owned(),
         ),

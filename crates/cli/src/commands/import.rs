@@ -1,13 +1,13 @@
-use super::{check_ending, print_json, write_eff, write_options};
+use super::{check_ending, name, print_json, write_eff, write_options};
 use crate::args::ImportArgs;
 use crate::ui::Outcome;
 use anyhow::Context;
 use serde::Serialize;
 use tousle_core::{Assumption, Pose, PoseTrack, Quantity, STANDARD_GRAVITY, Session, UpAxis};
-use tousle_eff::{Attachment, Eff};
+use tousle_eff::Eff;
 use tousle_export::FieldNpzOptions;
 use tousle_field::Scene;
-use tousle_pipeline::{GENERATOR, Watch, read_file};
+use tousle_pipeline::{GENERATOR, Input, Watch, attachments, read_file};
 
 /// What an import took for granted.
 #[derive(Serialize)]
@@ -32,6 +32,7 @@ pub fn run(args: &ImportArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     assumed.extend(read.assumed);
     let scene = scene(args, &session, &mut assumed)?;
     let report = ImportReport { method: "import", assumed };
+    let session_input = Input { name: &name(&args.session), bytes: &session_bytes };
     let eff = Eff {
         name: session.name.clone(),
         method: report.method.to_owned(),
@@ -39,7 +40,7 @@ pub fn run(args: &ImportArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         field: read.field,
         scene,
         samples: None,
-        attachments: attachments(session_bytes, &report)?,
+        attachments: attachments(session_input, &report)?,
     };
     let written = write_eff(&eff, &args.output, &pack, watch)?;
     if args.json {
@@ -84,16 +85,4 @@ fn scene(args: &ImportArgs, session: &Session, assumed: &mut Vec<Assumption>) ->
         air_density: session.air_density,
         body: session.body.clone(),
     })
-}
-
-fn attachments(session: Vec<u8>, report: &ImportReport) -> anyhow::Result<Vec<Attachment>> {
-    let attachment = |name: &str, bytes| Attachment {
-        name: name.to_owned(),
-        media_type: "application/json".to_owned(),
-        bytes,
-    };
-    Ok(vec![
-        attachment("session.json", session),
-        attachment("report.json", serde_json::to_vec_pretty(report)?),
-    ])
 }

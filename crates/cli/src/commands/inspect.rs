@@ -1,3 +1,5 @@
+mod capture;
+
 use super::{print_json, read_file};
 use crate::args::InspectArgs;
 use crate::ui::Outcome;
@@ -5,20 +7,20 @@ use anyhow::Context;
 use std::fmt::Write;
 use tousle_eff::Inspection;
 use tousle_groom::{GroomOptions, GroomReadError, GroomSummary};
-use tousle_ingest::CaptureSummary;
+use tousle_pipeline::Watch;
 
 /// The first bytes of every MCAP file.
 const MCAP_MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
 /// `tousle inspect`
-pub fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
+pub fn run(args: &InspectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let bytes = read_file(&args.file)?;
     let cannot = || format!("cannot inspect {}", args.file.display());
     if bytes.starts_with(MCAP_MAGIC) {
         let inspection = tousle_eff::inspect(&bytes[..]).with_context(cannot)?;
         show(args.json, &inspection, field_table)?;
-    } else if tousle_ingest::guess_format(&bytes).is_some() {
-        show(args.json, &tousle_ingest::summarize(&bytes).with_context(cannot)?, capture_table)?;
+    } else if args.session.is_some() || tousle_ingest::guess_format(&bytes).is_some() {
+        capture::run(args, &bytes, watch).with_context(cannot)?;
     } else {
         let mut options = GroomOptions::default();
         options.unit = args.groom_unit;
@@ -87,36 +89,6 @@ fn field_table(field: &Inspection) -> String {
         let _ = writeln!(text, "attached   {name} ({n_bytes} bytes)");
     }
     let _ = writeln!(text, "size       {:.2} MB", field.n_bytes as f64 / 1e6);
-    text
-}
-
-fn capture_table(capture: &CaptureSummary) -> String {
-    let mut text = String::new();
-    let maybe = |value: Option<String>| value.unwrap_or_else(|| "not stated".to_owned());
-    let all = (capture.frames * capture.labels.len()).max(1);
-    let _ = writeln!(text, "capture    {}", capture.format);
-    let _ = writeln!(text, "frames     {} from frame {}", capture.frames, capture.first_frame);
-    let _ = writeln!(text, "rate       {}", maybe(capture.rate_hz.map(|r| format!("{r} Hz"))));
-    let _ = writeln!(text, "unit       {}", maybe(capture.unit.clone()));
-    let _ = writeln!(
-        text,
-        "missing    {} of {all} samples ({:.1} %)",
-        capture.invalid_samples,
-        100.0 * capture.invalid_samples as f64 / all as f64
-    );
-    for other in &capture.other {
-        let _ = writeln!(text, "also       {other}");
-    }
-    for warning in &capture.warnings {
-        let _ = writeln!(text, "warning    {warning}");
-    }
-    let _ = writeln!(text, "\n{:<24} {:>7} {:>6}   mean position", "trajectory", "valid", "");
-    for trajectory in &capture.trajectories {
-        let share = 100.0 * trajectory.valid as f64 / capture.frames.max(1) as f64;
-        let mean =
-            trajectory.mean.map_or_else(String::new, |[x, y, z]| format!("{x:>10.2} {y:>10.2} {z:>10.2}"));
-        let _ = writeln!(text, "{:<24} {:>7} {share:>5.1}%  {mean}", trajectory.label, trajectory.valid);
-    }
     text
 }
 

@@ -1,8 +1,8 @@
 use super::count;
 use crate::CsvError;
-use crate::number::Numbers;
 use crate::points::{Columns, Width};
-use crate::rows::{Row, Rows, is_column_key, shorten, text};
+use crate::rows::{Row, Rows, is_column_key};
+use tousle_cells::{Numbers, shorten, text};
 
 /// The lines above the data.
 pub(super) struct Header {

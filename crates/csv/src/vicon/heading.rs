@@ -1,5 +1,5 @@
-use crate::number::Numbers;
-use crate::rows::{Row, Rows, is_column_key, text};
+use crate::rows::{Row, Rows, is_column_key};
+use tousle_cells::{Numbers, text};
 
 /// What stands above a section's table.
 #[derive(Debug)]
@@ -39,6 +39,6 @@ pub(crate) fn next(rows: &mut Rows, delimiter: u8) -> Option<Heading> {
 fn rate(row: &Row, delimiter: u8) -> Option<f64> {
     let unit = row.cell(1);
     let alone = row.filled_len() <= 1 || row.filled_len() == 2 && unit.eq_ignore_ascii_case(b"hz");
-    let number = Numbers::new(delimiter).read(row.cell(0)).ok().flatten();
+    let number = Numbers::between(delimiter).read(row.cell(0)).ok().flatten();
     number.filter(|rate| alone && *rate > 0.0)
 }

@@ -1,9 +1,9 @@
 use super::heading::Heading;
 use super::{Layout, ViconFile};
-use crate::number::{Numbers, whole};
 use crate::points::{Columns, PointReader, Width};
-use crate::rows::{Row, Rows, delimiter, is_column_key, shorten, text};
+use crate::rows::{Row, Rows, delimiter, is_column_key};
 use crate::{CsvError, PointTable};
+use tousle_cells::{Numbers, shorten, text, whole};
 
 /// One section of a Vicon CSV.
 #[derive(Clone, Debug, PartialEq)]
@@ -197,7 +197,8 @@ fn read_trajectories(
         ));
     }
     let sub_frame_column = (header.first_column() == 2).then_some(1);
-    let mut reader = PointReader::new(columns, header.width(), Numbers::new(delimiter(bytes)), bytes.len());
+    let mut reader =
+        PointReader::new(columns, header.width(), Numbers::between(delimiter(bytes)), bytes.len());
     while let Some(row) = next_data_row(rows) {
         if let Some(column) = sub_frame_column
             && !matches!(whole(row.cell(column)), Some(0) | None)

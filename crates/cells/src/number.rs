@@ -2,8 +2,8 @@
 ///
 /// A comma is a decimal mark only where it cannot be a separator, and only as long as no number of the file
 /// uses a point: `1,508` beside `0.5` is a thousand and not one and a half.
-#[derive(Debug)]
-pub(crate) struct Numbers {
+#[derive(Clone, Debug, Default)]
+pub struct Numbers {
     comma_separates: bool,
     points_seen: bool,
     commas_seen: bool,
@@ -11,10 +11,12 @@ pub(crate) struct Numbers {
 
 const ONE_MARK: &str =
     "a number with the decimal mark that the rest of the file uses, without thousands separators";
+const NO_THOUSANDS: &str = "a number with a decimal point, without thousands separators";
 
 impl Numbers {
-    pub fn new(delimiter: u8) -> Self {
-        Self { comma_separates: delimiter == b',', points_seen: false, commas_seen: false }
+    /// For a file whose cells are separated by this byte; the default is for cells that a comma cannot separate.
+    pub fn between(delimiter: u8) -> Self {
+        Self { comma_separates: delimiter == b',', ..Self::default() }
     }
 
     /// Whether any number so far had a decimal point.
@@ -27,25 +29,25 @@ impl Numbers {
     /// # Errors
     /// What was expected.
     pub fn read(&mut self, cell: &[u8]) -> Result<Option<f64>, &'static str> {
-        if cell.is_empty() || says_nothing(cell) {
+        if cell.is_empty() {
             return Ok(None);
         }
-        let commas = cell.iter().filter(|b| **b == b',').count();
-        let number = match commas {
-            0 => parse(cell)?,
-            1 if !self.comma_separates => {
-                self.commas_seen = true;
-                parse(&cell.iter().map(|b| if *b == b',' { b'.' } else { *b }).collect::<Vec<_>>())?
-            }
-            _ => return Err("a number with a decimal point, without thousands separators"),
+        let number = match cell.iter().filter(|b| **b == b',').count() {
+            0 => parse(cell),
+            1 if !self.comma_separates => parse(&with_point(cell)),
+            _ => return Err(NO_THOUSANDS),
         };
+        let Some(number) = number else {
+            return if says_nothing(cell) { Ok(None) } else { Err("a number") };
+        };
+        self.commas_seen |= cell.contains(&b',');
         self.points_seen |= cell.contains(&b'.');
         if self.points_seen && self.commas_seen { Err(ONE_MARK) } else { Ok(Some(number)) }
     }
 }
 
-/// A whole number, as frame numbers are; `12.0` is one.
-pub(crate) fn whole(cell: &[u8]) -> Option<i64> {
+/// A whole number, as frame numbers and counts are; `12.0` is one.
+pub fn whole(cell: &[u8]) -> Option<i64> {
     let text = std::str::from_utf8(cell).ok()?;
     text.parse().ok().or_else(|| {
         let number: f64 = text.parse().ok()?;
@@ -54,14 +56,14 @@ pub(crate) fn whole(cell: &[u8]) -> Option<i64> {
     })
 }
 
-fn parse(cell: &[u8]) -> Result<f64, &'static str> {
-    let starts_like_a_number = cell.iter().any(u8::is_ascii_digit);
-    std::str::from_utf8(cell)
-        .ok()
-        .filter(|_| starts_like_a_number)
-        .and_then(|text| text.parse::<f64>().ok())
-        .filter(|number| number.is_finite())
-        .ok_or("a number")
+fn with_point(cell: &[u8]) -> Vec<u8> {
+    cell.iter().map(|b| if *b == b',' { b'.' } else { *b }).collect()
+}
+
+/// A finite number with a digit in it: `inf` and `nan` are words.
+fn parse(cell: &[u8]) -> Option<f64> {
+    let number = std::str::from_utf8(cell).ok()?.parse::<f64>().ok()?;
+    (number.is_finite() && cell.iter().any(u8::is_ascii_digit)).then_some(number)
 }
 
 /// Whether a cell holds one of the words that programs write for a number that is not there.
@@ -81,7 +83,7 @@ mod tests {
 
     #[test]
     fn plain_numbers_and_their_absence() {
-        let mut numbers = Numbers::new(b',');
+        let mut numbers = Numbers::between(b',');
         for (cell, expected) in [
             ("1.5", Some(1.5)),
             ("-2.61E-05", Some(-2.61e-5)),
@@ -90,6 +92,8 @@ mod tests {
             ("", None),
             ("NaN", None),
             ("-nan(ind)", None),
+            ("1.#QNAN0", None),
+            ("NAN", None),
         ] {
             assert_eq!(numbers.read(cell.as_bytes()), Ok(expected), "{cell}");
         }
@@ -100,15 +104,18 @@ mod tests {
 
     #[test]
     fn a_decimal_comma_is_read_where_commas_do_not_separate() {
-        let mut numbers = Numbers::new(b';');
+        let mut numbers = Numbers::between(b';');
         assert_eq!(numbers.read(b"165,151"), Ok(Some(165.151)));
         assert_eq!(numbers.read(b"7"), Ok(Some(7.0)));
         assert!(numbers.read(b"1.508").is_err(), "a thousands separator, or another locale");
-        assert!(Numbers::new(b';').read(b"1.508,13").is_err());
-        assert!(Numbers::new(b',').read(b"1,508").is_err());
-        let mut pointed = Numbers::new(b'\t');
+        assert!(Numbers::between(b';').read(b"1.508,13").is_err());
+        assert!(Numbers::between(b',').read(b"1,508").is_err());
+        let mut pointed = Numbers::between(b'\t');
         assert_eq!(pointed.read(b"0.5"), Ok(Some(0.5)));
         assert!(pointed.read(b"1,508").is_err());
+        let mut of_trc = Numbers::default();
+        assert_eq!(of_trc.read(b"165,151"), Ok(Some(165.151)));
+        assert!(of_trc.read(b"1,5,0").is_err());
     }
 
     #[test]

@@ -1,0 +1,12 @@
+//! Cells of text tables, as the text formats of motion capture share them.
+//!
+//! - [`plain`] takes a file's bytes to UTF-8 (or a one-byte encoding) without a byte order mark.
+//! - [`text`] and [`shorten`] make a cell readable, whatever its bytes.
+//! - [`Numbers`] reads the numbers of one file, decimal commas among them, and refuses what can be read in two
+//!   ways; [`whole`] reads frame numbers and counts.
+
+mod encoding;
+mod number;
+
+pub use encoding::{plain, shorten, text};
+pub use number::{Numbers, whole};
