@@ -47,6 +47,30 @@ fn the_demo_capture_becomes_a_sound_field() {
     assert!(read.scene == converted.eff.scene, "and so does the scene");
 }
 
+/// The demo's capture has gaps; as it was, and cleaned: what no camera saw makes no wind, so that the method's
+/// samples stay what they were wherever nothing was mended.
+#[test]
+fn cleaning_is_told_and_can_be_left_out() {
+    let mut options = ConvertOptions::default();
+    options.prepare.clean = None;
+    let as_read = convert(input(CAPTURE), input(SESSION), &options, &Silent).unwrap();
+    let cleaned = converted(CAPTURE, SESSION);
+    assert_eq!(as_read.report.quality.clean, None);
+    assert!(as_read.prepared.head() == &as_read.prepared.located.head);
+    let report = cleaned.report.quality.clean.as_ref().unwrap();
+    assert!(report.n_gaps_filled() > 0);
+    assert!(report.gaps.iter().all(|g| g.expected_error_m.is_finite()));
+    assert!(cleaned.report.fit.n_samples >= as_read.report.fit.n_samples);
+    assert_eq!(
+        cleaned.report.fit.n_filled, cleaned.report.fit.n_missing,
+        "every hole was filled, none is used"
+    );
+    let attached = cleaned.eff.attachments.iter().find(|a| a.name == "report.json").unwrap();
+    let attached: serde_json::Value = serde_json::from_slice(&attached.bytes).unwrap();
+    assert_eq!(attached["clean"]["gaps"].as_array().unwrap().len(), report.gaps.len());
+    assert_eq!(attached["head"]["frames"]["residual_m"].as_array().unwrap().len(), 480);
+}
+
 #[test]
 fn the_same_bytes_for_any_number_of_threads() {
     let with_threads = |n| {

@@ -12,12 +12,19 @@ pub struct CleanReport {
     pub given_back: Vec<PieceGivenBack>,
     /// Nameless trajectories that fit no marker, and were left out.
     pub ghosts: Vec<GhostRefused>,
-    /// Gaps that were filled.
+    /// Gaps that were filled, each in as many parts as its seen neighbors changed.
     pub gaps: Vec<GapFilled>,
     /// Gaps that were left as they are.
     pub unfilled: Vec<Unfilled>,
     /// Every marker of every lock, for timelines.
     pub markers: Vec<MarkerTimeline>,
+}
+
+impl CleanReport {
+    /// How many gaps were filled; [`Self::gaps`] lists their parts, as neighbors come and go.
+    pub fn n_gaps_filled(&self) -> usize {
+        self.markers.iter().map(|m| m.filled.len()).sum()
+    }
 }
 
 /// An outlier that was cut out.

@@ -56,6 +56,32 @@ fn captures_and_grooms_can_be_inspected() {
 }
 
 #[test]
+fn a_capture_with_its_session_tells_its_quality() {
+    let room = Room::new();
+    let inspect = "inspect gusts.c3d --session session.json";
+    let run = room.run(&format!("{inspect} --report q.html --report q.json --json")).ended(0);
+    let told: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    assert_eq!((&told["kind"], &told["frames"]), (&"capture".into(), &480.into()));
+    let report: serde_json::Value = serde_json::from_slice(&room.read("q.json")).unwrap();
+    assert_eq!(told["quality"], report);
+    assert_eq!(report["head"]["frames"]["n_used"].as_array().unwrap().len(), 480);
+    assert!(!report["clean"]["markers"].as_array().unwrap().is_empty());
+    let page = String::from_utf8(room.read("q.html")).unwrap();
+    assert!(page.contains("gusts.c3d") && page.ends_with("</html>\n"));
+    let table = room.run(&format!("{inspect} --no-clean")).ended(0).out;
+    assert!(
+        table.contains("subjects   Wig")
+            && table.contains("longest")
+            && table.contains("as the file has them")
+    );
+    room.run("inspect gusts.c3d --report q.html").ended(2);
+    room.run(&format!("{inspect} --report q.pdf")).ended(1);
+    let convert = "convert gusts.c3d --session session.json --voxel-mm 100 -o f.eff.mcap --no-clean --json";
+    let told: serde_json::Value = serde_json::from_str(&room.run(convert).ended(0).out).unwrap();
+    assert!(told["clean"].is_null());
+}
+
+#[test]
 fn the_same_motion_for_any_number_of_threads() {
     let room = Room::new();
     room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 50 --threads 1").ended(0);

@@ -122,7 +122,7 @@ fn figures(page: &QualityPage<'_>) -> Vec<Figure> {
         let worst = clean.gaps.iter().map(|g| g.expected_error_m).fold(f64::NAN, f64::max);
         figures.push(figure(
             "gaps filled",
-            clean.gaps.len().to_string(),
+            clean.n_gaps_filled().to_string(),
             "",
             if clean.gaps.is_empty() {
                 String::new()

@@ -72,7 +72,7 @@ pub enum Mark {
 
 /// Room for labels left and right, px.
 const LEFT: f64 = 64.0;
-const RIGHT: f64 = 1012.0;
+const RIGHT: f64 = 1000.0;
 const TOP: f64 = 24.0;
 /// Height of a row with the space below it, px: thin, for a wig has some 160 markers.
 const ROW: f64 = 8.0;
@@ -155,24 +155,30 @@ impl Timeline {
         let mut frame = self.first_frame.div_euclid(step).saturating_mul(step);
         while frame < last {
             if frame >= self.first_frame {
-                let x = self.x(frame);
+                let (x, y) = (self.x(frame), bottom + 15.0);
                 let _ = writeln!(
                     svg,
                     "<line x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{TOP}\" y2=\"{bottom:.1}\"/>\
-                     <text class=\"tick\" x=\"{x:.1}\" y=\"{:.1}\">{frame}</text>\
-                     <text class=\"tick\" x=\"{x:.1}\" y=\"15\">{} s</text>",
-                    bottom + 15.0,
-                    short((frame - self.first_frame) as f64 / self.rate_hz, 2)
+                     <text class=\"tick\" x=\"{x:.1}\" y=\"{y:.1}\">{frame}</text>"
                 );
             }
             frame = frame.saturating_add(step);
         }
-        let _ = writeln!(
-            svg,
-            "<text class=\"name\" x=\"{:.0}\" y=\"{:.1}\">frame</text>",
-            LEFT - 8.0,
-            bottom + 15.0
-        );
+        let left = LEFT - 8.0;
+        let _ = writeln!(svg, "<text class=\"name\" x=\"{left}\" y=\"{:.1}\">frame</text>", bottom + 15.0);
+        let length_secs = self.n_frames as f64 / self.rate_hz;
+        let step_secs = nice_step(length_secs / 10.0);
+        for k in 0..=(length_secs / step_secs) as usize {
+            let secs = k as f64 * step_secs;
+            let x = LEFT + secs / length_secs.max(f64::MIN_POSITIVE) * (RIGHT - LEFT);
+            let text = short(secs, 3);
+            let _ = writeln!(
+                svg,
+                "<line class=\"second\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{:.0}\" y2=\"{TOP}\"/>\
+                 <text class=\"tick\" x=\"{x:.1}\" y=\"14\">{text} s</text>",
+                TOP - 5.0
+            );
+        }
     }
 
     fn row(&self, svg: &mut String, row: &TimelineRow, y: f64) {
@@ -209,9 +215,12 @@ impl Timeline {
     }
 }
 
-/// The next of 1, 2, 5, 10, 20 … that is not below.
+/// The next of …, 0.1, 0.2, 0.5, 1, 2, 5, 10, … that is not below.
 fn nice_step(least: f64) -> f64 {
-    let magnitude = libm::exp10(libm::log10(least.max(1.0)).floor());
+    if !(least > 0.0 && least.is_finite()) {
+        return 1.0;
+    }
+    let magnitude = libm::exp10(libm::log10(least).floor());
     [1.0, 2.0, 5.0, 10.0].map(|k| k * magnitude).into_iter().find(|s| *s >= least).unwrap_or(10.0 * magnitude)
 }
 
@@ -240,20 +249,20 @@ mod tests {
     #[test]
     fn events_lie_where_they_happened() {
         let svg = timeline(Mark::Filled).svg();
-        assert!(svg.contains("<rect class=\"filled\" x=\"538.0\" y=\"27.5\" width=\"474.0\""), "{svg}");
+        assert!(svg.contains("<rect class=\"filled\" x=\"532.0\" y=\"27.5\" width=\"468.0\""), "{svg}");
         assert!(svg.contains("S01_1: fi&lt;lled, frames 151 to 200 (50, 0.5 s)"), "{svg}");
-        assert!(svg.contains(">110</text>") && svg.contains(">0.09 s</text>"), "{svg}");
+        assert!(svg.contains(">110</text>") && svg.contains(">0.1 s</text>"), "{svg}");
         assert!(svg.contains("<title>still: frames 101 to 110 (10, 0.1 s)"), "{svg}");
     }
 
     #[test]
     fn a_spike_is_a_dot() {
-        assert!(timeline(Mark::Spike).svg().contains("<circle class=\"spike\" cx=\"775.0\""));
+        assert!(timeline(Mark::Spike).svg().contains("<circle class=\"spike\" cx=\"766.0\""));
     }
 
     #[test]
     fn steps_are_round() {
-        assert_eq!([1.0, 1.5, 3.0, 60.0, 0.2].map(nice_step), [1.0, 2.0, 5.0, 100.0, 1.0]);
+        assert_eq!([1.0, 1.5, 3.0, 60.0, 0.3, 0.0].map(nice_step), [1.0, 2.0, 5.0, 100.0, 0.5, 1.0]);
     }
 
     #[test]

@@ -69,11 +69,15 @@ pub fn summary(report: &ConversionReport) -> String {
         let _ = writeln!(text, "{label:>10}  {words}");
     };
     let fit = &report.fit;
+    let filled = match fit.n_filled {
+        0 => String::new(),
+        n => format!(" ({n} of them filled, which this method does not use)"),
+    };
     line(
         "wind",
         format!(
-            "{}: {} samples in {} steps, {} missing ({} of them filled, which this method does not use)",
-            fit.method, fit.n_samples, fit.n_steps, fit.n_missing, fit.n_filled
+            "{}: {} samples in {} steps, {} missing{filled}",
+            fit.method, fit.n_samples, fit.n_steps, fit.n_missing
         ),
     );
     let raster = &report.raster;

@@ -103,7 +103,7 @@ fn clean_line(clean: &tousle_clean::CleanReport) -> String {
         clean.given_back.len(),
         clean.ghosts.len(),
         clean.spikes.len(),
-        clean.gaps.len()
+        clean.n_gaps_filled()
     );
     let worst = clean.gaps.iter().map(|g| g.expected_error_m).fold(f64::NAN, f64::max);
     if worst.is_finite() {

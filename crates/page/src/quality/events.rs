@@ -19,12 +19,12 @@ pub(super) fn section(page: &QualityPage<'_>, clean: &CleanReport) -> String {
     )
     .collect();
     let gaps = gaps(page, clean);
-    let n_gaps = gaps.rows.len();
+    let n_gaps = clean.n_gaps_filled();
     format!(
         "<section>\n<p class=\"eyebrow\">Locks</p>\n<h2>What the cameras missed, and what was done</h2>\n\
          <p class=\"lead\">One row a marker, root to tip within each lock. Point at a mark to read what it is. \
          The still interval is shaded.</p>\n<div class=\"card\">\n{}{}</div>\n<div class=\"card\">\n{tables}</div>\n\
-         <details class=\"card\"><summary>All {n_gaps} filled gaps</summary>\n<div class=\"scroll\">{}</div></details>\n\
+         <details class=\"card\"><summary>All {n_gaps} filled gaps, part by part</summary>\n<div class=\"scroll\">{}</div></details>\n\
          </section>\n",
         legend(&[
             (Mark::Good, "seen"),
@@ -248,7 +248,7 @@ fn gaps(page: &QualityPage<'_>, clean: &CleanReport) -> Table {
     };
     Table {
         caption:
-            "The expected error is that of the same fill at other times, where the marker was seen; without \
+            "A gap is filled part by part, as its neighbors are seen or not. The expected error is that of the same fill at other times, where the marker was seen; without \
                   trials it is the worst of all others."
                 .to_owned(),
         columns: vec![

@@ -104,9 +104,7 @@ fn locks(page: &QualityPage<'_>, clean: &CleanReport, found: &mut Vec<Finding>) 
         .collect();
     if !doubtful.is_empty() {
         let text = format!(
-            "{} of {} filled gaps are expected to be more than {} mm off: {}.",
-            doubtful.len(),
-            clean.gaps.len(),
+            "Filled, but expected to be more than {} mm off in part: {}.",
             short(DOUBTFUL_FILL_M * 1e3, 1),
             named(&unique(&doubtful))
         );
@@ -125,12 +123,14 @@ fn locks(page: &QualityPage<'_>, clean: &CleanReport, found: &mut Vec<Finding>) 
         let text = format!("Not seen in more than a quarter of the frames: {}.", named(&often));
         found.push(Finding { weight: Weight::Look, text });
     }
-    if let Some(gap) = clean.gaps.iter().max_by_key(|g| g.span.n_frames()) {
+    let filled = clean.markers.iter().flat_map(|m| m.filled.iter().map(move |span| (&m.marker, span)));
+    if let Some((marker, span)) = filled.max_by_key(|(_, span)| span.n_frames()) {
+        let parts = clean.gaps.iter().filter(|g| g.marker == *marker && holds(*span, g.span));
+        let worst = parts.map(|g| g.expected_error_m).fold(f64::NAN, f64::max);
         let text = format!(
-            "The longest gap is {}'s, {}: filled, {} mm off as far as can be told.",
-            gap.marker,
-            when(page, gap.span),
-            decimals(gap.expected_error_m * 1e3, 1)
+            "The longest gap is {marker}'s, {}: filled, at worst {} mm off as far as can be told.",
+            when(page, *span),
+            decimals(worst * 1e3, 1)
         );
         found.push(Finding { weight: Weight::Changed, text });
     }
@@ -150,6 +150,10 @@ fn when(page: &QualityPage<'_>, span: FrameSpan) -> String {
             format!("frames {} to {} ({secs} s)", span.first_frame, span.last_frame)
         }
     }
+}
+
+fn holds(outer: FrameSpan, inner: FrameSpan) -> bool {
+    outer.first_frame <= inner.first_frame && inner.last_frame <= outer.last_frame
 }
 
 fn unique<'a>(labels: &[&'a str]) -> Vec<&'a str> {

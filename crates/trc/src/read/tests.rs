@@ -50,6 +50,8 @@ fn the_same_file_in_other_clothes() {
     );
     assert_eq!(check_same(&TRC.replace("PathFileType\t4\t(X/Y/Z)\ttrial.trc\n", "")), none);
     assert_eq!(check_same(TRC.trim_end()), none);
+    let utf_16: Vec<u8> = format!("\u{feff}{TRC}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    assert_eq!(read(&utf_16).unwrap(), read(TRC.as_bytes()).unwrap());
 }
 
 #[test]
