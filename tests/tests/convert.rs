@@ -56,7 +56,7 @@ fn cleaning_is_told_and_can_be_left_out() {
     let as_read = convert(input(CAPTURE), input(SESSION), &options, &Silent).unwrap();
     let cleaned = converted(CAPTURE, SESSION);
     assert_eq!(as_read.report.quality.clean, None);
-    assert!(as_read.prepared.head() == &as_read.prepared.located.head);
+    assert!(std::ptr::eq(as_read.prepared.head(), &as_read.prepared.located.head));
     let report = cleaned.report.quality.clean.as_ref().unwrap();
     assert!(report.n_gaps_filled() > 0);
     assert!(report.gaps.iter().all(|g| g.expected_error_m.is_finite()));
