@@ -179,6 +179,8 @@ codes! {
     DuplicateId = "duplicate-id", Error;
     /// A marker was in a voxel that is not flagged as measured.
     FlagSamples = "flag-samples", Warning;
+    /// A preview is not what viewers expect, or does not belong to the field.
+    Preview = "preview", Warning;
     /// Something that readers skip: a topic outside `/eff/`, a record of another application.
     Skipped = "skipped", Warning;
 }

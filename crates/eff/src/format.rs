@@ -16,6 +16,10 @@ pub(crate) mod topic {
     pub(crate) const POSE: &str = "/eff/pose";
     pub(crate) const SAMPLES: &str = "/eff/samples";
     pub(crate) const FIELD: &str = "/eff/field";
+    /// Where the head is, for viewers.
+    pub(crate) const PREVIEW_HEAD: &str = "/preview/head";
+    /// What the wind looks like, for viewers.
+    pub(crate) const PREVIEW_WIND: &str = "/preview/wind";
     /// What begins like this belongs to the format; a reader refuses what it does not know of it.
     pub(crate) const OURS: &str = "/eff/";
 }

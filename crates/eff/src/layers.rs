@@ -1,6 +1,7 @@
 use crate::wire::edits::Edits;
 use crate::writer::head;
 use crate::{EffError, Reader, VERSION, WriteReport, Writer};
+use std::borrow::Cow;
 use std::io::{Read, Seek, Write};
 use tousle_core::Progress;
 use tousle_field::FieldLayer;
@@ -22,18 +23,18 @@ pub fn replace_layers<R: Read + Seek, W: Write>(
     let mut reader = Reader::open(input)?;
     let mut manifest = reader.manifest().clone();
     manifest.version = VERSION;
+    manifest.field.n_steps = Some(reader.n_steps());
     let edits = Edits { layers: layers.iter().map(Into::into).collect() };
     head::check(&manifest, &edits)?;
     let mut writer = Writer::begin(out, manifest, &edits, &reader.poses()?)?;
     for attachment in reader.attachments()? {
         writer.attachment(&attachment)?;
     }
-    for samples in reader.samples()? {
-        writer.samples(&samples)?;
-    }
+    let samples = reader.samples()?;
     let n_steps = reader.n_steps();
     for k in 0..n_steps {
         progress.at(k, n_steps);
+        writer.samples_before(k, |j| Ok::<_, EffError>(Cow::Borrowed(&samples[j as usize])))?;
         writer.packed_step(reader.packed_step(k)?)?;
     }
     progress.at(n_steps, n_steps);

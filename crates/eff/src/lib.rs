@@ -47,6 +47,7 @@ mod inspect;
 mod json_schema;
 mod layers;
 mod migrate;
+mod preview;
 mod read;
 mod reader;
 mod record;

@@ -15,8 +15,8 @@ use crate::{Attachment, Code, EffError, check, decode};
 use index::Index;
 pub use part::Part;
 use std::io::{Read, Seek, SeekFrom};
-use tousle_core::{Pose, WindSample};
-use tousle_field::{Field, FieldLayer};
+use tousle_core::{Pose, PoseTrack, WindSample};
+use tousle_field::{Field, FieldLayer, Scene};
 
 /// Reads single steps of a field file, holding one of them at a time.
 ///
@@ -142,6 +142,19 @@ impl<R: Read + Seek> Reader<R> {
         Ok(poses)
     }
 
+    /// Reads all that a simulator needs besides the wind.
+    ///
+    /// # Errors
+    /// As [`Reader::poses`].
+    pub fn scene(&mut self) -> Result<Scene, EffError> {
+        let poses = PoseTrack {
+            start_secs: self.manifest.pose.start_secs,
+            rate_hz: self.manifest.pose.rate_hz,
+            poses: self.poses()?,
+        };
+        Ok(self.manifest.scene.clone().with_poses(poses))
+    }
+
     /// Reads the samples of all steps; empty if the file has none.
     ///
     /// # Errors
@@ -240,7 +253,7 @@ fn fail(findings: Findings) -> Result<(), EffError> {
 }
 
 /// The first of several findings; whoever gives a list of errors has at least one.
-fn first(findings: Vec<crate::Finding>) -> EffError {
+pub(crate) fn first(findings: Vec<crate::Finding>) -> EffError {
     let finding = findings.into_iter().next();
     finding.map_or_else(|| EffError::bad("message", "something wrong", "nothing"), |f| Box::new(f).into())
 }

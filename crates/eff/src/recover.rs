@@ -11,6 +11,7 @@ use crate::{Code, EffError, VERSION, WriteReport, Writer, decode, record};
 pub(crate) use inventory::attachment_at;
 use inventory::{Inventory, Place as Where};
 use serde::Serialize;
+use std::borrow::Cow;
 use std::io::{Read, Seek, Write};
 use tousle_core::Progress;
 
@@ -76,16 +77,14 @@ pub fn recover<R: Read + Seek, W: Write>(
     for &offset in &found.attachments {
         writer.attachment(&attachment_at(&mut input, offset)?)?;
     }
-    for k in 0..found.n_samples() {
-        match found.samples.get(&k) {
-            Some(place) => writer.samples(&samples(&mut input, *place)?)?,
-            None => writer.samples(&[])?,
-        }
-    }
     let n_steps = last - first + 1;
     let mut bridged = Vec::new();
     for k in first..=last {
         progress.at(k - first, n_steps);
+        writer.samples_before(k - first, |j| match found.samples.get(&j) {
+            Some(place) => samples(&mut input, *place).map(Cow::Owned),
+            None => Ok(Cow::Borrowed(&[])),
+        })?;
         if let Some(place) = found.steps.get(&k) {
             writer.packed_step(packed_step(&mut input, &old, *place)?)?;
         } else {

@@ -41,11 +41,11 @@ fn json_schemas_are_current() {
 
 #[test]
 fn descriptors_are_current() {
-    for version in ["v0", "v1"] {
-        let mut descriptors = protox::compile([format!("eff.{version}.proto")], [schemas()]).unwrap();
+    for name in ["eff.v0", "eff.v1", "preview"] {
+        let mut descriptors = protox::compile([format!("{name}.proto")], [schemas()]).unwrap();
         for file in &mut descriptors.file {
             file.source_code_info = None;
         }
-        check(&format!("eff.{version}.binpb"), &descriptors.encode_to_vec());
+        check(&format!("{name}.binpb"), &descriptors.encode_to_vec());
     }
 }

@@ -3,6 +3,7 @@
 //! The types here are the format's own and stay as they are for ever, whatever becomes of the vocabulary's.
 
 pub(crate) mod edits;
+pub(crate) mod foxglove;
 pub(crate) mod manifest;
 pub(crate) mod proto;
 pub(crate) mod scene;

@@ -5,9 +5,10 @@ use crate::array::{self, Encoding, Shape};
 use crate::finding::Place;
 use crate::format::{MAX_CHUNK, PROFILE, STREAMS, Stream, time_ns, topic};
 use crate::manifest::Manifest;
+use crate::preview::{PREVIEWS, Preview};
 use crate::wire::edits::Edits;
 use crate::wire::proto;
-use crate::{Attachment, Eff, EffError, check};
+use crate::{Attachment, Eff, EffError, check, decode, reader};
 pub use head::Head;
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
@@ -25,12 +26,19 @@ use tousle_field::{Field, GridSpec};
 pub struct WriteOptions {
     /// How the field's vectors are packed.
     pub encoding: Encoding,
+    /// Whether viewers of robots' logs get channels of their own, with wind they can draw.
+    pub has_preview: bool,
 }
 
 impl WriteOptions {
     /// Options with this encoding.
     pub fn with_encoding(encoding: Encoding) -> Self {
-        Self { encoding }
+        Self { encoding, ..Self::default() }
+    }
+
+    /// These options, with channels for viewers.
+    pub fn with_preview(self) -> Self {
+        Self { has_preview: true, ..self }
     }
 }
 
@@ -76,11 +84,10 @@ pub fn write<W: Write>(
     for attachment in &eff.attachments {
         writer.attachment(attachment)?;
     }
-    for samples in eff.samples.iter().flat_map(|s| &s.steps) {
-        writer.samples(samples)?;
-    }
-    for (k, step) in eff.field.steps.iter().enumerate() {
-        progress.at(k as u64, n_steps);
+    let samples = eff.samples.as_ref().map_or(&[][..], |s| &s.steps);
+    for (k, step) in (0..).zip(&eff.field.steps) {
+        progress.at(k, n_steps);
+        writer.samples_before(k, |j| Ok::<_, EffError>(Cow::Borrowed(&samples[j as usize])))?;
         writer.step(step)?;
     }
     progress.at(n_steps, n_steps);
@@ -95,6 +102,7 @@ pub struct Writer<W: Write> {
     mcap: Option<mcap::Writer<NoSeek<Counted<W>>>>,
     manifest: Manifest,
     encoding: Encoding,
+    preview: Option<Preview>,
     /// Messages written so far, by channel.
     counts: BTreeMap<u16, u64>,
     /// Bytes of messages in the chunk that is open.
@@ -107,6 +115,10 @@ impl<W: Write> std::fmt::Debug for Writer<W> {
         f.debug_struct("Writer").field("manifest", &self.manifest).field("report", &self.report).finish()
     }
 }
+
+/// So many steps come after the samples of their times, which share a chunk. The fewer, the less a cut file lacks;
+/// the more, the better samples pack and the fewer chunks have to be found to read them all.
+const STEPS_A_BATCH: u64 = 16;
 
 /// Small messages share a chunk up to this many bytes: few enough to find one quickly, many enough that
 /// compression sees what repeats.
@@ -124,11 +136,23 @@ impl<W: Write> Writer<W> {
         let manifest = head::manifest(head, options.encoding);
         let edits = Edits { layers: head.layers.iter().map(Into::into).collect() };
         head::check(&manifest, &edits)?;
-        Self::begin(out, manifest, &edits, &head.scene.poses.poses)
+        Self::begin_with(out, manifest, &edits, &head.scene.poses.poses, options.has_preview)
     }
 
     /// Begins a file with a manifest that was checked.
     pub(crate) fn begin(out: W, manifest: Manifest, edits: &Edits, poses: &[Pose]) -> Result<Self, EffError> {
+        Self::begin_with(out, manifest, edits, poses, false)
+    }
+
+    fn begin_with(
+        out: W,
+        manifest: Manifest,
+        edits: &Edits,
+        poses: &[Pose],
+        has_preview: bool,
+    ) -> Result<Self, EffError> {
+        let layers = || edits.layers.iter().cloned().map(Into::into).collect();
+        let preview = has_preview.then(|| Preview::new(&manifest, poses, layers()));
         let mcap_options = mcap::WriteOptions::new()
             .profile(PROFILE)
             .library(concat!("tousle-eff ", env!("CARGO_PKG_VERSION")))
@@ -142,6 +166,7 @@ impl<W: Write> Writer<W> {
         let mut writer = Self {
             mcap: Some(mcap_options.create(out)?),
             encoding: manifest.field.encoding.encoding(),
+            preview,
             manifest,
             counts: BTreeMap::new(),
             n_open: 0,
@@ -162,10 +187,12 @@ impl<W: Write> Writer<W> {
     /// Declares the channels that this file will use.
     fn channels(&mut self, has_edits: bool) -> Result<(), EffError> {
         let has_samples = self.manifest.samples.is_some();
-        for (id, stream) in (1..).zip(&STREAMS) {
+        let has_preview = self.preview.is_some();
+        for (id, stream) in (1..).zip(STREAMS.iter().chain(&PREVIEWS)) {
             let is_used = match stream.topic {
                 topic::EDITS => has_edits,
                 topic::SAMPLES => has_samples,
+                topic::PREVIEW_HEAD | topic::PREVIEW_WIND => has_preview,
                 _ => true,
             };
             if is_used {
@@ -208,6 +235,32 @@ impl<W: Write> Writer<W> {
         let time_ns = step_time("samples", info.step_secs(index))?;
         let message = samples::pack(samples, index, time_ns)?;
         self.message(topic::SAMPLES, time_ns, &message.encode_to_vec())
+    }
+
+    /// Writes the samples that have their place before step `k`: those of the times up to the next batch of steps,
+    /// and before the last batch (or if nobody knows how many steps will come) all that are left. `samples` gives
+    /// those of a step of samples. A file that is cut anywhere then has whole steps and their samples.
+    ///
+    /// # Errors
+    /// What `samples` gives, or [`EffError`] as [`Writer::samples`].
+    pub fn samples_before<'s, E: From<EffError>>(
+        &mut self,
+        k: u64,
+        mut samples: impl FnMut(u64) -> Result<Cow<'s, [WindSample]>, E>,
+    ) -> Result<(), E> {
+        let Some(info) = self.manifest.samples.filter(|_| k.is_multiple_of(STEPS_A_BATCH)) else {
+            return Ok(());
+        };
+        let next_batch = k + STEPS_A_BATCH;
+        let is_last = self.manifest.field.n_steps.is_none_or(|n| next_batch >= n);
+        let until_secs = self.manifest.field.step_secs(next_batch);
+        loop {
+            let j = self.count(topic::SAMPLES);
+            if j >= info.n_steps || !(is_last || info.step_secs(j) < until_secs) {
+                return Ok(());
+            }
+            self.samples(&samples(j)?)?;
+        }
     }
 
     /// Writes the next step of the field, in a chunk of its own.
@@ -255,7 +308,20 @@ impl<W: Write> Writer<W> {
         self.message(topic::FIELD, time_ns, &message.encode_to_vec())?;
         self.close_chunk()?;
         self.report.n_steps += 1;
-        Ok(())
+        self.preview(index, time_ns, message)
+    }
+
+    /// Shows a step to viewers, if they are to see it.
+    fn preview(&mut self, index: u64, time_ns: u64, step: proto::FieldStep) -> Result<(), EffError> {
+        let Some(preview) = &self.preview else { return Ok(()) };
+        let secs = self.manifest.field.step_secs(index);
+        // As it was packed: what is shown is what is in the file.
+        let step =
+            decode::unpack_step(step, &self.manifest.field, Place::default()).map_err(reader::first)?;
+        let (head, wind) = (preview.head(time_ns, secs), preview.wind(time_ns, secs, &step));
+        self.message(topic::PREVIEW_HEAD, time_ns, &head.encode_to_vec())?;
+        self.message(topic::PREVIEW_WIND, time_ns, &wind.encode_to_vec())?;
+        self.close_chunk()
     }
 
     /// Writes a file into the file.
@@ -347,7 +413,7 @@ impl<W: Write> Drop for Writer<W> {
 
 /// The channel of a topic; its schema has the same number.
 fn channel_id(topic: &str) -> u16 {
-    let place = STREAMS.iter().position(|s: &Stream| s.topic == topic);
+    let place = STREAMS.iter().chain(&PREVIEWS).position(|s: &Stream| s.topic == topic);
     place.expect("only the format's own topics are written") as u16 + 1
 }
 

@@ -8,13 +8,12 @@
 #![allow(clippy::unwrap_used)]
 
 mod arbitrary;
+mod exercise;
 
+use exercise::{all_agree, refit};
 use std::fs;
-use std::io::Cursor;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use tousle_core::NoProgress;
-use tousle_eff::{EffError, ReadOptions, Reader, read, recover, validate};
 
 /// A small fast generator (xorshift64*), the same on every machine.
 struct Random(u64);
@@ -103,75 +102,4 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
     if bytes.is_empty() {
         bytes.push(0x89);
     }
-}
-
-/// Makes the checksums right, as far as there is a structure to make them right for.
-fn refit(bytes: &mut [u8]) {
-    let mut at = 8;
-    let mut data_end = None;
-    while let Some((prefix, _)) = bytes.get(at..).and_then(|rest| rest.split_first_chunk::<9>()) {
-        let length = u64::from_le_bytes(prefix[1..].try_into().unwrap());
-        let content = at + 9;
-        let Some(end) =
-            usize::try_from(length).ok().and_then(|n| content.checked_add(n)).filter(|e| *e <= bytes.len())
-        else {
-            return;
-        };
-        match prefix[0] {
-            // An unpacked chunk: 28 bytes, an empty name, the length, the records.
-            0x06 if length >= 40 && bytes[content + 28..content + 32] == [0; 4] => {
-                let crc = crc32fast::hash(&bytes[content + 40..end]);
-                bytes[content + 24..content + 28].copy_from_slice(&crc.to_le_bytes());
-            }
-            0x09 if length >= 4 => {
-                let crc = crc32fast::hash(&bytes[content..end - 4]);
-                bytes[end - 4..end].copy_from_slice(&crc.to_le_bytes());
-            }
-            0x0f if length == 4 => {
-                let crc = crc32fast::hash(&bytes[..at]);
-                bytes[content..end].copy_from_slice(&crc.to_le_bytes());
-                data_end = Some(end);
-            }
-            0x02 if length == 20 => {
-                if let Some(start) = data_end {
-                    let crc = crc32fast::hash(&bytes[start..end - 4]);
-                    bytes[end - 4..end].copy_from_slice(&crc.to_le_bytes());
-                }
-                return;
-            }
-            _ => {}
-        }
-        at = end;
-    }
-}
-
-/// Whether a file is sound, after everybody was asked.
-fn all_agree(bytes: &[u8]) -> bool {
-    let mut options = ReadOptions::default();
-    options.max_memory = 1 << 26;
-    let is_sound = validate(bytes).unwrap().is_sound;
-    let eff = match read(bytes, &options) {
-        Ok(eff) => Some(eff),
-        Err(EffError::TooLarge { .. }) => return is_sound,
-        Err(_) => None,
-    };
-    assert_eq!(is_sound, eff.is_some());
-    let reader = Reader::open(Cursor::new(bytes));
-    if let Some(eff) = &eff {
-        let mut reader = reader.unwrap();
-        let last = eff.field.steps.len() - 1;
-        assert_eq!(reader.step(last as u64).unwrap().unwrap(), eff.field.steps[last]);
-    } else if let Ok(mut reader) = reader {
-        // Not sound, but perhaps elsewhere; reading must end one way or the other.
-        let _ = (reader.step(0), reader.poses(), reader.samples());
-    }
-    let mut out = Vec::new();
-    if let Ok(recovery) = recover(Cursor::new(bytes), &mut out, &NoProgress) {
-        let validation = validate(&out[..]).unwrap();
-        assert!(validation.is_sound, "{:#?}", validation.findings);
-        assert!(!is_sound || recovery.is_complete(), "{:?}", recovery.losses);
-    } else {
-        assert!(!is_sound);
-    }
-    is_sound
 }

@@ -14,4 +14,4 @@ mod sequence;
 pub use grid::{GridError, GridSpec, MAX_VOXELS, VoxelIndex};
 pub use layer::{Ease, FieldLayer, Handle, LayerOrigin};
 pub use scene::Scene;
-pub use sequence::{Field, FieldError, FieldSequence, FieldSlice, VoxelFlag};
+pub use sequence::{Field, FieldError, FieldSequence, FieldSlice, Stencil, VoxelFlag};

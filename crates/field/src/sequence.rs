@@ -141,13 +141,19 @@ impl Field {
 }
 
 /// The eight voxels around a point of the box and the weight of each, which add up to 1.
-struct Stencil {
-    flats: [usize; 8],
-    weights: [f64; 8],
+///
+/// At an edge of the box a voxel stands in for neighbors that are not there, so it can occur more than once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stencil {
+    /// The voxels, by their flat index.
+    pub flats: [usize; 8],
+    /// The weight of each.
+    pub weights: [f64; 8],
 }
 
 impl Stencil {
-    fn at(grid: &GridSpec, point_m: Vec3) -> Self {
+    /// The voxels around a point of the box, head space, m; outside the box, those nearest to it.
+    pub fn at(grid: &GridSpec, point_m: Vec3) -> Self {
         let place = (point_m - grid.origin_m) / grid.edge_m - Vec3::repeat(0.5);
         let strides = [grid.dims[1] * grid.dims[2], grid.dims[2], 1];
         let mut flats = [0; 8];

@@ -1,13 +1,13 @@
-use super::{check_ending, print_json, read_eff, read_groom, write_eff};
+use super::{check_ending, print_json, read_groom, sound_eff};
 use crate::args::EditArgs;
 use crate::ui::Outcome;
 use anyhow::Context;
 use serde::Serialize;
+use std::io::Cursor;
 use tousle_core::{Groom, StrandMotion};
 use tousle_edit::{EditEffects, EditOptions, EditReport, Edited};
-use tousle_eff::WriteOptions;
 use tousle_field::{FieldSequence, Scene};
-use tousle_pipeline::{Watch, read_file};
+use tousle_pipeline::{Watch, read_file, write_whole};
 use tousle_sim::SimOptions;
 
 /// What the edits became, and what they did.
@@ -21,7 +21,8 @@ struct Report {
 /// `tousle edit`
 pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     check_ending(&args.output, &["mcap"])?;
-    let mut eff = read_eff(&args.field)?;
+    let bytes = read_file(&args.field)?;
+    let eff = sound_eff(&bytes, &args.field)?;
     let groom = read_groom(&args.groom, &args.groom_args, &eff.scene)?;
     let edits = tousle_edit::read_edits(&read_file(&args.edits)?)
         .with_context(|| format!("cannot read the edits {}", args.edits.display()))?;
@@ -32,8 +33,12 @@ pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
             .with_context(|| format!("cannot apply the edits {}", args.edits.display()))?;
     let after = simulated(&sequence, &eff.scene, &groom, watch)?;
     let effects = tousle_edit::measure(&before, &after, &groom, &sequence.layers[n_before..])?;
-    eff.field = sequence;
-    write_eff(&eff, &args.output, &WriteOptions::default(), watch)?;
+    let stage = watch.stage("write");
+    // The voxels are copied as they are packed: however often a field is edited, they stay what they were.
+    write_whole(&args.output, |out| {
+        tousle_eff::replace_layers(Cursor::new(&bytes), &sequence.layers, out, &*stage)
+    })?;
+    drop(stage);
     let report = Report { made: report, effects };
     if args.json {
         print_json(&report)?;

@@ -2,7 +2,7 @@ use super::Reader;
 use crate::{Eff, EffError, ReadOptions};
 use std::io::{Read, Seek};
 use std::ops::RangeInclusive;
-use tousle_core::{PoseTrack, Vec3};
+use tousle_core::Vec3;
 use tousle_field::{Field, FieldSequence, GridSpec, VoxelIndex};
 
 /// Which part of a field is wanted.
@@ -57,11 +57,7 @@ impl<R: Read + Seek> Reader<R> {
         for k in steps {
             fields.extend(self.step(k)?.map(|step| crop.apply(step)));
         }
-        let poses = PoseTrack {
-            start_secs: self.manifest.pose.start_secs,
-            rate_hz: self.manifest.pose.rate_hz,
-            poses: self.poses()?,
-        };
+        let scene = self.scene()?;
         Ok(Eff {
             name: self.manifest.name.clone(),
             method: self.manifest.method.clone(),
@@ -74,7 +70,7 @@ impl<R: Read + Seek> Reader<R> {
                 steps: fields,
                 layers: self.layers.clone(),
             },
-            scene: self.manifest.scene.clone().with_poses(poses),
+            scene,
             samples: None,
             attachments: Vec::new(),
         })

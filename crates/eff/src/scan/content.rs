@@ -213,6 +213,11 @@ impl<'v> Content<'v> {
         self.listener.step(step)
     }
 
+    /// A message of a preview came.
+    pub fn preview(&mut self, topic: &'static str, n_bytes: usize) {
+        self.listener.message(topic, n_bytes);
+    }
+
     /// A message of a topic is there but cannot be read.
     pub fn skip(&mut self, topic: &str) {
         match topic {

@@ -3,6 +3,7 @@ use super::facts::{AttachmentFacts, ChunkFacts};
 use super::{Listener, at, check_crc, content::Content};
 use crate::finding::Place;
 use crate::format::{PROFILE, Stream, streams, topic};
+use crate::preview::{self, PREVIEWS};
 use crate::record::{self, Attachment, Channel, Message, PREFIX, Record, Schema, Statistics};
 use crate::scan::Findings;
 use crate::{Code, EffError};
@@ -17,7 +18,10 @@ pub(crate) struct Data<'v> {
     pub channels: BTreeMap<u16, Vec<u8>>,
     /// Which of the format's schemas and channels an id means; `None` for another's.
     known_schemas: BTreeMap<u16, Option<&'static Stream>>,
+    schema_names: BTreeMap<u16, String>,
     known_channels: BTreeMap<u16, Option<&'static Stream>>,
+    /// Channels of previews.
+    previews: BTreeMap<u16, &'static Stream>,
     /// What the last chunk's message indexes must be, until they are read.
     pending_indexes: Indexes,
     /// The last chunk could not be read: its message indexes are all that is known of it.
@@ -35,7 +39,9 @@ impl<'v> Data<'v> {
             schemas: BTreeMap::new(),
             channels: BTreeMap::new(),
             known_schemas: BTreeMap::new(),
+            schema_names: BTreeMap::new(),
             known_channels: BTreeMap::new(),
+            previews: BTreeMap::new(),
             pending_indexes: Indexes::new(),
             is_chunk_lost: false,
             chunks: Vec::new(),
@@ -164,6 +170,7 @@ impl<'v> Data<'v> {
                 "the same as before",
             ));
         }
+        self.schema_names.insert(schema.id, schema.name.to_owned());
         let known = streams().find(|s| s.schema_name == schema.name);
         self.known_schemas.insert(schema.id, known);
         let Some(known) = known else { return };
@@ -221,11 +228,23 @@ impl<'v> Data<'v> {
                 let expected = format!("a topic of version {}", crate::VERSION);
                 findings.push(place.finding(Code::Channel, "topic", quoted(channel.topic), expected));
             }
+            None if self.is_preview(channel) => {}
             None => {
                 let expected = format!("topics under {}", topic::OURS);
                 findings.push(place.finding(Code::Skipped, "topic", quoted(channel.topic), expected));
             }
         }
+    }
+
+    /// Whether a channel is one of those that previews have, with the schema they have.
+    fn is_preview(&mut self, channel: &Channel<'_>) -> bool {
+        let stream = PREVIEWS.iter().find(|stream| {
+            stream.topic == channel.topic
+                && stream.message_encoding == channel.message_encoding
+                && self.schema_names.get(&channel.schema_id).is_some_and(|name| name == stream.schema_name)
+        });
+        self.previews.extend(stream.map(|stream| (channel.id, stream)));
+        stream.is_some()
     }
 
     pub fn message(
@@ -236,6 +255,13 @@ impl<'v> Data<'v> {
     ) -> Result<(), EffError> {
         let position = self.count(message.channel_id, message.log_time);
         match self.known_channels.get(&message.channel_id) {
+            Some(None) if self.previews.contains_key(&message.channel_id) => {
+                let stream = self.previews[&message.channel_id];
+                let place = Place { channel: Some(stream.topic), time_ns: Some(message.log_time), ..place };
+                self.content.preview(stream.topic, message.data.len());
+                preview::check(stream, message, place, findings);
+                Ok(())
+            }
             Some(Some(stream)) => {
                 let place = Place { channel: Some(stream.topic), time_ns: Some(message.log_time), ..place };
                 self.content.message(stream, message, position, place, findings)

@@ -177,7 +177,7 @@ impl Grid {
     }
 
     /// The grid in the vocabulary's words. Only for a grid that was checked.
-    pub(crate) fn spec(&self) -> GridSpec {
+    pub fn spec(&self) -> GridSpec {
         GridSpec { origin_m: self.origin_m.into(), edge_m: self.edge_m, dims: self.dims.map(|n| n as usize) }
     }
 }

@@ -1,7 +1,9 @@
 //! What is wrong with messages that MCAP takes for sound.
 
-use super::{Case, forged, forged_from};
-use crate::forge::{EDITS, FIELD, MANIFEST, POSE, SAMPLES, bytes, put_float, set};
+use super::{Case, forged, forged_from, forged_preview};
+use crate::forge::{
+    EDITS, FIELD, MANIFEST, POSE, PREVIEW_HEAD, PREVIEW_WIND, SAMPLES, bytes, put_float, set,
+};
 use protox::prost_reflect::Value as Proto;
 use serde_json::json;
 use tousle_eff::Encoding;
@@ -14,6 +16,7 @@ pub fn cases() -> Vec<Case> {
     cases.extend(samples());
     cases.extend(steps());
     cases.extend(packing());
+    cases.extend(previews());
     cases
 }
 
@@ -112,6 +115,34 @@ fn edits() -> Vec<Case> {
         }),
         forged("edit-kind", "a layer of a kind that version 1 does not have", &["json-schema"], |p| {
             p.json(EDITS, |e| e["layers"][0]["origin"]["kind"] = json!("brush"));
+        }),
+    ]
+}
+
+/// Wrong previews are warned of; the field is sound.
+fn previews() -> Vec<Case> {
+    vec![
+        forged_preview("preview-time", "a preview of another time", &["preview"], |p| {
+            p.message(PREVIEW_WIND, 1).log_time += 5;
+        }),
+        forged_preview("preview-payload", "a preview that is no protobuf", &["preview"], |p| {
+            p.message(PREVIEW_HEAD, 0).payload = vec![0xff; 9];
+        }),
+        forged_preview("preview-cut", "points that end within one", &["preview"], |p| {
+            // Its last field is the data: one byte less of it, and its length says so.
+            let payload = &mut p.message(PREVIEW_WIND, 0).payload;
+            payload.pop();
+            let length = payload.len() - 4 * 6 * 16 + 1;
+            assert_eq!(payload[length - 2], 0x80, "the low seven bits of 384");
+            (payload[length - 2], payload[length - 1]) = (0xff, 2);
+        }),
+        forged_preview("preview-schema", "a preview's topic with another schema", &["skipped"], |p| {
+            p.channels.retain_mut(|(id, schema, ..)| {
+                if *id == PREVIEW_HEAD {
+                    *schema = PREVIEW_WIND;
+                }
+                true
+            });
         }),
     ]
 }

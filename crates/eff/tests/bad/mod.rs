@@ -58,6 +58,23 @@ fn forged(
     forged_from(Encoding::F32, name, what, findings, change)
 }
 
+/// A file with previews that was put together otherwise.
+fn forged_preview(
+    name: &'static str,
+    what: &'static str,
+    findings: &'static [&'static str],
+    change: fn(&mut Pieces),
+) -> Case {
+    let make = Box::new(move || {
+        let mut bytes = Vec::new();
+        write(&tiny(), &mut bytes, &WriteOptions::default().with_preview(), &NoProgress).unwrap();
+        let mut pieces = pieces(&bytes);
+        change(&mut pieces);
+        pieces.forge()
+    });
+    Case { name, what, findings, make }
+}
+
 fn forged_from(
     encoding: Encoding,
     name: &'static str,

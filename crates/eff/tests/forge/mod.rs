@@ -39,6 +39,8 @@ pub const EDITS: u16 = 2;
 pub const POSE: u16 = 3;
 pub const SAMPLES: u16 = 4;
 pub const FIELD: u16 = 5;
+pub const PREVIEW_HEAD: u16 = 6;
+pub const PREVIEW_WIND: u16 = 7;
 
 /// Takes a file of ours apart.
 pub fn pieces(bytes: &[u8]) -> Pieces {

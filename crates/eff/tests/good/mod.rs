@@ -40,6 +40,13 @@ pub fn cases() -> Vec<Case> {
             Encoding::F16,
         ),
     ];
+    let make = Box::new(|| {
+        let mut bytes = Vec::new();
+        write(&small(), &mut bytes, &WriteOptions::default().with_preview(), &NoProgress).unwrap();
+        bytes
+    });
+    let what = "channels for viewers beside the field";
+    cases.push(Case { name: "preview", what, eff: small(), make, max_error: 0.0, findings: &[] });
     cases.push(forged("stranger", "other chunks, no compression, by another program", &[], |p| {
         p.options = p.options.clone().compression(None);
         let messages: Vec<Piece> = p.chunks.drain(..).flatten().collect();
