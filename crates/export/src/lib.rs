@@ -6,7 +6,8 @@
 //! - [`write_motion_npz`], [`write_field_npz`]: arrays for NumPy; [`read_motion_npz`], [`read_field_npz`] read
 //!   them back, and wind from elsewhere.
 //! - [`write_motion_usda`]: hair as curves or reed-shaped ribbons for everything that reads USD.
-//! - [`write_step_vdb`]: a step of a field for everything that reads OpenVDB.
+//! - [`write_step_vdb`]: a step of a field for everything that reads OpenVDB; [`read_step_vdb`] and
+//!   [`join_steps_vdb`] read wind from what writes it.
 //!
 //! *Invariant:* nothing here knows of captures or of the field file.
 
@@ -22,4 +23,4 @@ pub use npz::{
     read_numbers_npz, read_poses_npz, write_field_npz, write_motion_npz, write_poses_npz,
 };
 pub use usd::{CurveType, HairGeometry, UsdOptions, write_motion_usda};
-pub use vdb::write_step_vdb;
+pub use vdb::{VdbError, VdbOptions, VdbStep, join_steps_vdb, read_step_vdb, write_step_vdb};

@@ -1,11 +1,13 @@
-//! One time step of a field as an OpenVDB file (`.vdb`).
+//! One time step of a field as an OpenVDB file (`.vdb`); [`read`] takes it, and other programs' files, in again.
 //!
 //! An own writer: no crate writes the format. It is file version 224, which OpenVDB has read since version 4 and
 //! writes today. OpenVDB's sources are its only specification (`io/Archive.cc`, `tree/RootNode.h`,
 //! `tree/InternalNode.h`, `tree/LeafNode.h`, `io/Compression.h`).
 
+mod error;
 mod grid;
 mod metadata;
+mod read;
 mod tree;
 mod uuid;
 
@@ -14,8 +16,10 @@ use std::io::Write;
 use tousle_field::{Field, FieldSequence};
 
 use crate::ExportError;
+pub use error::VdbError;
 use grid::Grid;
 use metadata::{Metadata, put_metadata};
+pub use read::{VdbOptions, VdbStep, join_steps_vdb, read_step_vdb};
 
 const MAGIC: i64 = 0x5644_4220;
 const FILE_VERSION: u32 = 224;
@@ -31,8 +35,8 @@ const LIBRARY_VERSION: [u32; 2] = [10, 0];
 /// | `sd` | `float` | standard deviation; only if the step has one |
 ///
 /// Every voxel of the box is active, index (0, 0, 0) is the first; the transform takes an index to the voxel's
-/// center in head space, m: x forward, y to the subject's left, z up. The file's metadata has the step's time and
-/// the wind outside. The same field gives the same bytes: the file's UUID is made from its contents.
+/// center in head space, m: x forward, y to the subject's left, z up. The file's metadata has the step's time, the
+/// steps a second, the corner of the box and the wind outside. The same field gives the same bytes: the file's UUID is made from its contents.
 ///
 /// # Errors
 /// [`ExportError::BadField`] if the field fails its own check, [`ExportError::BadOptions`] if there is no such
@@ -104,7 +108,9 @@ fn file_metadata(field: &FieldSequence) -> Vec<(&'static str, Metadata)> {
     let outside: [f64; 3] = field.steps[0].outside.into();
     vec![
         ("creator", Metadata::Text("tousle".to_owned())),
+        ("origin_m", Metadata::Vec3d(field.grid.origin_m.into())),
         ("outside", Metadata::Vec3d(outside)),
+        ("rate_hz", Metadata::Double(field.rate_hz)),
         ("space", Metadata::Text("head: x forward, y to the subject's left, z up; m".to_owned())),
         ("time_secs", Metadata::Double(field.start_secs)),
     ]

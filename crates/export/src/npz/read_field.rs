@@ -272,7 +272,8 @@ fn read_outside(
     Ok(values.chunks_exact(3).map(Vec3::from_column_slice).collect())
 }
 
-fn mean_of_faces(u: &[f32], dims: [usize; 3]) -> Vec3 {
+/// The mean vector of the outermost voxels.
+pub(crate) fn mean_of_faces(u: &[f32], dims: [usize; 3]) -> Vec3 {
     let n_voxels: usize = dims.iter().product();
     let on_face = |flat: &usize| {
         let place = place(0, dims, *flat);
