@@ -1,11 +1,13 @@
 //! Runs the stages in order, gathers their reports, and writes whole files or none.
 //!
 //! [`prepare`] takes the bytes of a capture and of a session to clean locks in head space and a quality report;
-//! [`convert`] goes on to an [`Eff`](tousle_eff::Eff). Paths and clocks stop here: [`read_file`] and [`write_whole`] are the only doors to the disk.
+//! [`convert`] goes on to an [`Eff`](tousle_eff::Eff); [`merge`] makes one field of several. Paths and clocks stop here:
+//! [`read_file`] and [`write_whole`] are the only doors to the disk.
 
 mod attachments;
 mod convert;
 mod files;
+mod merge;
 mod prepare;
 mod report;
 mod watch;
@@ -13,6 +15,7 @@ mod watch;
 pub use attachments::attachments;
 pub use convert::{ConvertError, ConvertOptions, Converted, GENERATOR, Input, convert};
 pub use files::{FileError, read_file, write_whole};
+pub use merge::{MergeFilesError, MergeSource, merge};
 pub use prepare::{PrepareOptions, Prepared, prepare};
 pub use report::{CaptureSummary, ConversionReport, QualityReport};
 pub use watch::{Silent, Watch};
