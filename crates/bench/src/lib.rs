@@ -2,8 +2,9 @@
 //!
 //! [`score_motion`] and [`score_field`] are the figures that others use; [`Truth`] reads what they compare with.
 //! [`sim_in_true_wind`] judges the simulator alone, [`paper::run`] the whole 2008 method. [`WorkPrecision`] shows
-//! what accuracy costs, [`Table`] everything else.
+//! what accuracy costs, [`mod@file`] what a file does, [`Table`] everything else.
 
+pub mod file;
 pub mod paper;
 
 mod baselines;

@@ -24,7 +24,7 @@ pub struct Cli {
 pub enum Command {
     /// Turn a capture into a wind field.
     Convert(ConvertArgs),
-    /// Tell whether field files are sound, and everything that is wrong with them.
+    /// Tell whether fields, sessions, grooms and edits are sound, and everything that is wrong with them.
     Validate(ValidateArgs),
     /// Tell what is in a file: a field, a capture or a groom.
     Inspect(InspectArgs),
@@ -36,6 +36,8 @@ pub enum Command {
     Export(ExportArgs),
     /// Make a field of wind from elsewhere (CFD, a scan, a known truth).
     Import(ImportArgs),
+    /// Put several captures of one wig together into one richer field.
+    Merge(MergeArgs),
     /// Save every whole step of a field file that was cut or damaged.
     Recover(RecoverArgs),
     /// Write a field file of any version again in the newest one; nothing is lost.
@@ -102,6 +104,9 @@ pub struct PackArgs {
     /// The most that a component may be off, in the field's unit (m/s or m/s²); for --encoding fixed.
     #[arg(long, value_name = "E", required_if_eq("encoding", "fixed"))]
     pub max_error: Option<f64>,
+    /// Add channels that Foxglove, Lichtblick and Rerun can draw: the wind as colored points, the head's frame.
+    #[arg(long)]
+    pub preview: bool,
 }
 
 /// `--encoding`
@@ -113,6 +118,69 @@ pub enum EncodingArg {
     F16,
     /// Whole multiples of a step.
     Fixed,
+}
+
+/// How a field's vectors are packed in its file, if not as they were.
+#[derive(Debug, Args)]
+pub struct RepackArgs {
+    /// As for `convert` [default: as the fields are packed, f32 if they differ].
+    #[arg(long, value_enum)]
+    pub encoding: Option<EncodingArg>,
+    /// The most that a component may be off, in the field's unit (m/s or m/s²); for --encoding fixed.
+    #[arg(long, value_name = "E", required_if_eq("encoding", "fixed"), requires = "encoding")]
+    pub max_error: Option<f64>,
+    /// As for `convert`.
+    #[arg(long)]
+    pub preview: bool,
+}
+
+impl RepackArgs {
+    /// What was asked for, if anything was.
+    pub fn given(&self) -> Option<PackArgs> {
+        let encoding = self.encoding?;
+        Some(PackArgs { encoding, max_error: self.max_error, preview: self.preview })
+    }
+}
+
+/// `tousle merge`
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// The fields, of one wig in one wind; the first one's scene is kept.
+    #[arg(required = true, num_args = 2.., value_name = "FIELD")]
+    pub fields: Vec<PathBuf>,
+    /// The field file to write.
+    #[arg(short, long, value_name = "FIELD.eff.mcap")]
+    pub output: PathBuf,
+    /// What is added to each field's times to have them on one clock, s, a number a field [default: nothing].
+    #[arg(long, value_name = "S,S,…", value_delimiter = ',', allow_hyphen_values = true)]
+    pub offset_secs: Vec<f64>,
+    /// From when to when the merged field goes.
+    #[arg(long, value_enum, default_value_t = SpanArg::All)]
+    pub span: SpanArg,
+    /// Time steps a second [default: the highest of the fields].
+    #[arg(long, value_name = "HZ")]
+    pub rate_hz: Option<f64>,
+    /// How far the heads' ways and the bodies' shapes may differ, mm.
+    #[arg(long, default_value_t = 10.0, value_name = "MM")]
+    pub tolerance_mm: f64,
+    /// How far the heads may be turned from one another, degrees.
+    #[arg(long, default_value_t = 2.0, value_name = "DEG")]
+    pub tolerance_deg: f64,
+    /// How the field is packed.
+    #[command(flatten)]
+    pub pack: RepackArgs,
+    /// Print what was merged, and how well it agrees, as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `--span`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SpanArg {
+    /// From the first step of any field to the last of any.
+    All,
+    /// Only while all fields have steps.
+    Common,
 }
 
 /// `tousle recover`
@@ -322,8 +390,10 @@ pub struct ExportArgs {
 /// `tousle import`
 #[derive(Debug, Args)]
 pub struct ImportArgs {
-    /// The wind: .npz as `export` writes it, or with `u_q` and `scale` in place of `u`.
-    pub wind: PathBuf,
+    /// The wind: one .npz as `export` writes it, or with `u_q` and `scale` in place of `u`; or .vdb files, one a time
+    /// step (OUT.vdb alone stands for OUT.0000.vdb and on).
+    #[arg(required = true, value_name = "WIND.npz|WIND.vdb")]
+    pub wind: Vec<PathBuf>,
     /// The session it belongs to: body, air, markers.
     #[arg(long)]
     pub session: PathBuf,
@@ -339,6 +409,12 @@ pub struct ImportArgs {
     /// Edge of the grid about the head, mm, where the file gives neither `origin` nor `edge`.
     #[arg(long, value_name = "MM")]
     pub extent_mm: Option<f64>,
+    /// The grid of a .vdb that is the wind [default: wind, velocity, vel or v, or the only vectors].
+    #[arg(long, value_name = "NAME")]
+    pub grid: Option<String>,
+    /// Time steps a second, where .vdb files do not say when they are.
+    #[arg(long, value_name = "HZ")]
+    pub rate_hz: Option<f64>,
     /// Print the report as JSON.
     #[arg(long)]
     pub json: bool,
@@ -357,6 +433,19 @@ pub struct DemoArgs {
 pub enum BenchCommand {
     /// The method `paper` on captures with their truth: each reading of E3, scored on another hairstyle.
     Paper(BenchArgs),
+    /// Fields in files: size and speed of each way to pack them, beside .npz and .vdb.
+    File(BenchFileArgs),
+}
+
+/// `tousle bench file`
+#[derive(Debug, Args)]
+pub struct BenchFileArgs {
+    /// The fields.
+    #[arg(required = true, value_name = "FIELD")]
+    pub fields: Vec<PathBuf>,
+    /// The folder for the table (CSV) [default: print only].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
 }
 
 /// `tousle bench paper`

@@ -7,6 +7,7 @@ pub mod edit;
 pub mod export;
 pub mod import;
 pub mod inspect;
+pub mod merge;
 pub mod migrate;
 pub mod quality;
 pub mod recover;
@@ -45,8 +46,12 @@ fn check_ending(path: &Path, endings: &[&str]) -> anyhow::Result<()> {
 
 /// Reads a sound field file.
 fn read_eff(path: &Path) -> anyhow::Result<Eff> {
-    let bytes = read_file(path)?;
-    tousle_eff::read(&bytes[..], &ReadOptions::default()).map_err(|e| {
+    sound_eff(&read_file(path)?, path)
+}
+
+/// The field of a sound field file's bytes.
+fn sound_eff(bytes: &[u8], path: &Path) -> anyhow::Result<Eff> {
+    tousle_eff::read(bytes, &ReadOptions::default()).map_err(|e| {
         anyhow!(e).context(format!(
             "cannot use the field {} (`tousle validate` lists all that is wrong)",
             path.display()
@@ -111,7 +116,8 @@ fn write_options(args: &PackArgs) -> anyhow::Result<WriteOptions> {
         (EncodingArg::F32, None) => Encoding::F32,
         (EncodingArg::F16, None) => Encoding::F16,
     };
-    Ok(WriteOptions::with_encoding(encoding))
+    let options = WriteOptions::with_encoding(encoding);
+    Ok(if args.preview { options.with_preview() } else { options })
 }
 
 /// Prints a value as JSON on stdout.

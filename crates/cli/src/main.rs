@@ -34,6 +34,7 @@ fn run(cli: &args::Cli) -> anyhow::Result<ui::Outcome> {
         args::Command::Edit(args) => commands::edit::run(args, &bars),
         args::Command::Export(args) => commands::export::run(args, &bars),
         args::Command::Import(args) => commands::import::run(args, &bars),
+        args::Command::Merge(args) => commands::merge::run(args, &bars),
         args::Command::Recover(args) => commands::recover::run(args, &bars),
         args::Command::Migrate(args) => commands::migrate::run(args, &bars),
         args::Command::Demo(args) => commands::demo::run(args, &bars),

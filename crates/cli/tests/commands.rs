@@ -141,6 +141,117 @@ fn a_lossy_encoding_is_smaller_and_says_its_bound() {
     room.run(&format!("{convert} -o g.eff.mcap --encoding fixed")).ended(2);
 }
 
+/// However a field is packed, editing it copies its voxels.
+#[test]
+fn an_edited_field_stays_packed_as_it_was() {
+    let room = Room::new();
+    let pack = "--encoding fixed --max-error 0.01";
+    room.run(&format!("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 50 {pack}"))
+        .ended(0);
+    room.run("edit f.eff.mcap --groom bob.json --edits lift.toml -o e.eff.mcap").ended(0);
+    room.run("validate e.eff.mcap").ended(0);
+    let fields = ["f", "e"].map(|name| {
+        tousle_eff::read(&room.read(&format!("{name}.eff.mcap"))[..], &tousle_eff::ReadOptions::default())
+            .unwrap()
+    });
+    let [before, after] = fields;
+    assert_eq!(after.field.steps, before.field.steps);
+    assert_eq!((after.samples, after.attachments), (before.samples, before.attachments));
+    assert_eq!((before.field.layers.len(), after.field.layers.len()), (0, 1));
+    let encoding = room.run("inspect e.eff.mcap --json").ended(0);
+    assert!(encoding.out.contains("\"fixed\""), "{}", encoding.out);
+}
+
+/// What `export` writes as OpenVDB, `import` takes in: the same voxels, bit for bit.
+#[test]
+fn a_field_goes_out_and_in_as_openvdb() {
+    let room = Room::new();
+    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 50").ended(0);
+    room.run("export f.eff.mcap -o f.vdb").ended(0);
+    room.run("import f.vdb --session session.json -o g.eff.mcap").ended(0);
+    let [out, back] = ["f", "g"].map(|name| {
+        let bytes = room.read(&format!("{name}.eff.mcap"));
+        tousle_eff::read(&bytes[..], &tousle_eff::ReadOptions::default()).unwrap().field
+    });
+    assert_eq!(back, out);
+    // Some of them, in any order, are a shorter field.
+    room.run("import f.0007.vdb f.0006.vdb f.0008.vdb --session session.json -o h.eff.mcap").ended(0);
+    let inspection = room.run("inspect h.eff.mcap").ended(0);
+    assert!(inspection.out.contains("0.200 to 0.267 s"), "{}", inspection.out);
+    room.run("import f.0000.vdb f.0002.vdb f.0003.vdb --session session.json -o i.eff.mcap")
+        .ended(1)
+        .says(&["step 1", "even steps"]);
+    room.run("import none.vdb --session session.json -o i.eff.mcap").ended(1).says(&["none.0000.vdb"]);
+    assert!(!room.path("i.eff.mcap").exists());
+}
+
+/// Wind from elsewhere gets the head's poses from elsewhere, too.
+#[test]
+fn imported_wind_takes_the_heads_poses() {
+    let room = Room::new();
+    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 50").ended(0);
+    room.run("export f.eff.mcap -o f.npz").ended(0);
+    let bytes = room.read("f.eff.mcap");
+    let mut eff = tousle_eff::read(&bytes[..], &tousle_eff::ReadOptions::default()).unwrap();
+    let poses = &mut eff.scene.poses;
+    let first = poses.poses[0];
+    poses.poses =
+        (0..10).map(|k| tousle_core::Pose::translation(0.01 * f64::from(k), 0.0, 0.0) * first).collect();
+    poses.rate_hz = 30.0;
+    let mut npz = std::io::Cursor::new(Vec::new());
+    tousle_export::write_poses_npz(poses, &mut npz).unwrap();
+    room.write("head.npz", npz.get_ref());
+    room.run("import f.npz --session session.json --head head.npz -o g.eff.mcap").ended(0);
+    let back = tousle_eff::read(&room.read("g.eff.mcap")[..], &tousle_eff::ReadOptions::default()).unwrap();
+    assert_eq!(back.scene.poses.poses.len(), 10);
+    let off = back.scene.poses.poses[9].translation.vector - first.translation.vector;
+    assert!((off.x - 0.09).abs() < 1e-9 && off.yz().norm() < 1e-9, "{off}");
+}
+
+/// Channels for viewers: in the file if they are wanted, checked, and skipped by all who read the field.
+#[test]
+fn previews_are_there_if_they_are_wanted() {
+    let room = Room::new();
+    let convert = "convert gusts.c3d --session session.json --voxel-mm 50";
+    room.run(&format!("{convert} -o plain.eff.mcap")).ended(0);
+    room.run(&format!("{convert} -o shown.eff.mcap --preview")).ended(0);
+    let validation = room.run("validate shown.eff.mcap --json").ended(0);
+    assert!(validation.out.contains("\"findings\": []"), "{}", validation.out);
+    let [plain, shown] = ["plain", "shown"].map(|name| {
+        tousle_eff::read(&room.read(&format!("{name}.eff.mcap"))[..], &tousle_eff::ReadOptions::default())
+            .unwrap()
+    });
+    assert_eq!(plain, shown);
+    let inspection = room.run("inspect shown.eff.mcap").ended(0);
+    assert!(inspection.out.contains("/preview/wind"), "{}", inspection.out);
+}
+
+/// Sessions, grooms and edits: all that is wrong, at once, and what is sound is said to be.
+#[test]
+fn files_that_people_write_are_validated() {
+    let room = Room::new();
+    room.run("validate session.json bob.json lift.toml").ended(0);
+    let session = String::from_utf8(room.read("session.json")).unwrap();
+    room.write(
+        "bad.json",
+        session.replacen("\"length_mm\": 175.0", "\"length_mm\": -1", 1).replace("\"Z\"", "\"up\""),
+    );
+    let lift = String::from_utf8(room.read("lift.toml")).unwrap();
+    room.write("bad.toml", lift.replace("reach_m = 0.06", "reach_m = 6"));
+    let run = room.run("validate bad.json lift.toml bad.toml --json").ended(1);
+    let verdicts: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let whats = |k: usize| {
+        let findings = verdicts[k]["findings"].as_array().unwrap();
+        findings.iter().map(|f| f["what"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(whats(0), ["strands[0]", "up_axis"], "{}", run.out);
+    assert_eq!(
+        (verdicts[0]["kind"].as_str(), verdicts[1]["is_sound"].as_bool()),
+        (Some("session"), Some(true))
+    );
+    assert_eq!(whats(2), ["edit[0]"], "{}", run.out);
+}
+
 #[test]
 fn an_old_field_becomes_a_new_one() {
     let room = Room::new();

@@ -1,11 +1,12 @@
+mod wind;
+
 use super::{check_ending, name, print_json, write_eff, write_options};
 use crate::args::ImportArgs;
 use crate::ui::Outcome;
 use anyhow::Context;
 use serde::Serialize;
-use tousle_core::{Assumption, Pose, PoseTrack, Quantity, STANDARD_GRAVITY, Session, UpAxis};
+use tousle_core::{Assumption, Pose, PoseTrack, STANDARD_GRAVITY, Session, UpAxis};
 use tousle_eff::Eff;
-use tousle_export::FieldNpzOptions;
 use tousle_field::Scene;
 use tousle_pipeline::{GENERATOR, Input, Watch, attachments, read_file};
 
@@ -23,11 +24,9 @@ pub fn run(args: &ImportArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let session_bytes = read_file(&args.session)?;
     let session = tousle_ingest::read_session(&session_bytes)
         .with_context(|| format!("cannot read the session {}", args.session.display()))?;
-    let mut options = FieldNpzOptions::default();
-    options.extent_m = Some(args.extent_mm.unwrap_or(600.0) * 1e-3);
-    options.quantity = Some(Quantity::AirVelocity);
-    let read = tousle_export::read_field_npz_with(&read_file(&args.wind)?, &options)
-        .with_context(|| format!("cannot read the wind {}", args.wind.display()))?;
+    let stage = watch.stage("read");
+    let read = wind::read(args, &*stage)?;
+    drop(stage);
     let mut assumed = session.assumed.clone();
     assumed.extend(read.assumed);
     let scene = scene(args, &session, &mut assumed)?;

@@ -1,11 +1,15 @@
+mod by_hand;
+
 use super::print_json;
 use crate::args::ValidateArgs;
 use crate::ui::Outcome;
+use by_hand::ByHand;
 use serde::Serialize;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 use tousle_eff::Validation;
+use tousle_groom::{GroomOptions, GroomReadError};
 use tousle_pipeline::Watch;
 
 /// What is said of one file.
@@ -16,12 +20,24 @@ struct Verdict {
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
     #[serde(flatten)]
-    validation: Option<Validation>,
+    found: Option<Found>,
+}
+
+/// What was found in one file.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Found {
+    Field(Validation),
+    ByHand(ByHand),
 }
 
 impl Verdict {
     fn is_sound(&self) -> bool {
-        self.validation.as_ref().is_some_and(|v| v.is_sound)
+        match &self.found {
+            Some(Found::Field(validation)) => validation.is_sound,
+            Some(Found::ByHand(by_hand)) => by_hand.is_sound,
+            None => false,
+        }
     }
 }
 
@@ -44,13 +60,38 @@ pub fn run(args: &ValidateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
 
 fn validate(path: &Path) -> Verdict {
     let file = path.display().to_string();
-    let validation =
-        File::open(path).map_err(Into::into).and_then(|f| tousle_eff::validate(BufReader::new(f)));
-    match validation {
-        Ok(validation) => Verdict { file, error: None, validation: Some(validation) },
-        Err(error) => {
-            Verdict { file, error: Some(format!("{:#}", anyhow::Error::from(error))), validation: None }
+    match look_at(path) {
+        Ok(found) => Verdict { file, error: None, found: Some(found) },
+        Err(error) => Verdict { file, error: Some(format!("{error:#}")), found: None },
+    }
+}
+
+/// The most bytes of a file that people write.
+const MAX_BY_HAND: u64 = 1 << 30;
+
+/// A field is read as a stream, whatever its length; all else is small.
+fn look_at(path: &Path) -> anyhow::Result<Found> {
+    let mut file = File::open(path)?;
+    let mut bytes = [0; 8];
+    let n = file.read(&mut bytes)?;
+    file.rewind()?;
+    if !bytes[..n].starts_with(b"\x89MCAP") && file.metadata()?.len() <= MAX_BY_HAND {
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes)?;
+        file.rewind()?;
+        if let Some(by_hand) = by_hand::validate(&bytes).or_else(|| groom(&bytes)) {
+            return Ok(Found::ByHand(by_hand));
         }
+    }
+    Ok(Found::Field(tousle_eff::validate(BufReader::new(file))?))
+}
+
+/// A groom in a format that no person writes: its reader's answer. Unit and axes are for the command that uses it.
+fn groom(bytes: &[u8]) -> Option<ByHand> {
+    match tousle_groom::inspect_groom(bytes, &GroomOptions::default()) {
+        Ok(_) => Some(ByHand::groom(None)),
+        Err(GroomReadError::UnknownFormat { .. }) => None,
+        Err(error) => Some(ByHand::groom(Some(format!("{:#}", anyhow::Error::from(error))))),
     }
 }
 
@@ -58,13 +99,17 @@ fn print(verdict: &Verdict) {
     if let Some(error) = &verdict.error {
         println!("{}: {error}", verdict.file);
     }
-    let Some(validation) = &verdict.validation else { return };
-    let (n, sound) = (validation.findings.len(), if validation.is_sound { "sound" } else { "NOT SOUND" });
+    let (findings, n_more): (Vec<String>, usize) = match &verdict.found {
+        Some(Found::Field(v)) => (v.findings.iter().map(ToString::to_string).collect(), v.n_more),
+        Some(Found::ByHand(b)) => (b.findings.iter().map(ToString::to_string).collect(), 0),
+        None => return,
+    };
+    let (n, sound) = (findings.len(), if verdict.is_sound() { "sound" } else { "NOT SOUND" });
     println!("{}: {sound}{}", verdict.file, if n == 0 { String::new() } else { format!(", {n} findings") });
-    for finding in &validation.findings {
+    for finding in findings {
         println!("  {finding}");
     }
-    if validation.n_more > 0 {
-        println!("  … and {} more", validation.n_more);
+    if n_more > 0 {
+        println!("  … and {n_more} more");
     }
 }

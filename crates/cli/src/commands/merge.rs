@@ -1,0 +1,86 @@
+use super::{check_ending, name, print_json, write_options};
+use crate::args::{MergeArgs, SpanArg};
+use crate::ui::Outcome;
+use anyhow::{Context, bail};
+use std::fmt::Write;
+use std::fs::File;
+use std::io::BufReader;
+use tousle_merge::{MergeOptions, MergeReport, Span};
+use tousle_pipeline::{MergeSource, Watch, write_whole};
+
+/// `tousle merge`
+pub fn run(args: &MergeArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
+    check_ending(&args.output, &["mcap"])?;
+    let encoding = args.pack.given().map(|pack| write_options(&pack)).transpose()?.map(|pack| pack.encoding);
+    let names: Vec<String> = args.fields.iter().map(|path| name(path)).collect();
+    let n_offsets = args.offset_secs.len();
+    if ![0, names.len()].contains(&n_offsets) {
+        bail!("--offset-secs: found {n_offsets} numbers, expected {}, one a field", names.len());
+    }
+    let offsets = args.offset_secs.iter().copied().chain(std::iter::repeat(0.0));
+    let mut sources = Vec::new();
+    for ((path, name), offset_secs) in args.fields.iter().zip(&names).zip(offsets) {
+        let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
+        sources.push(MergeSource { name, input: BufReader::new(file), offset_secs });
+    }
+    let (report, written) = write_whole(&args.output, |out| {
+        tousle_pipeline::merge(sources, out, &options(args), encoding, args.pack.preview, watch)
+    })?;
+    if args.json {
+        print_json(&report)?;
+    } else {
+        print!("{}", summary(&report));
+        let megabytes = written.n_bytes as f64 / 1e6;
+        println!("wrote {} ({} steps, {megabytes:.1} MB)", args.output.display(), written.n_steps);
+    }
+    for warning in &report.warnings {
+        eprintln!("warning: {warning}");
+    }
+    Ok(Outcome::Fine)
+}
+
+fn options(args: &MergeArgs) -> MergeOptions {
+    let mut options = MergeOptions::default();
+    options.span = match args.span {
+        SpanArg::All => Span::All,
+        SpanArg::Common => Span::Common,
+    };
+    options.rate_hz = args.rate_hz;
+    options.tolerance_m = args.tolerance_mm * 1e-3;
+    options.tolerance_rad = args.tolerance_deg.to_radians();
+    options
+}
+
+fn summary(report: &MergeReport) -> String {
+    let mut text = String::new();
+    let percent = |share: f64| 100.0 * share;
+    for input in &report.inputs {
+        let [from, to] = input.span_secs;
+        let _ = writeln!(
+            text,
+            "     input  {}: {from:.3} to {to:.3} s, {:.1} % measured, heard in {:.1} % of the voxels",
+            input.name,
+            percent(input.coverage[2]),
+            percent(input.heard)
+        );
+    }
+    let [outside, interpolated, measured] = report.coverage.map(percent);
+    let _ = writeln!(
+        text,
+        "     field  {measured:.1} % of voxels measured, {interpolated:.1} % interpolated, {outside:.1} % outside"
+    );
+    if let Some(rms) = report.rms_disagreement {
+        let ratio = report.birge_ratio.map_or_else(String::new, |ratio| {
+            format!(", {ratio:.2} times what their standard deviations say")
+        });
+        let _ = writeln!(
+            text,
+            "    agrees  to {rms:.3} rms{ratio}, in {} voxels that several measured",
+            report.n_measured_by_several
+        );
+    }
+    if let Some(rms) = report.rms_outside_disagreement {
+        let _ = writeln!(text, "   outside  the winds agree to {rms:.3} rms");
+    }
+    text
+}
