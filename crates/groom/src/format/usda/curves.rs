@@ -1,11 +1,11 @@
 //! One `BasisCurves` prim.
 
 use super::bad;
-use super::layer::Prim;
 use crate::error::GroomReadError;
 use crate::format::GroomFormat;
 use crate::format::curve::Basis;
 use crate::format::curves::{Control, Kind};
+use tousle_usda::Prim;
 
 /// A prim's control points and what they mean.
 pub(super) fn control<'a>(prim: &'a Prim, path: &'a str) -> Result<Control<'a>, GroomReadError> {
@@ -51,11 +51,12 @@ fn kind(prim: &Prim, path: &str) -> Result<Kind, GroomReadError> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::parser::parse;
     use super::*;
+    use tousle_usda::parse;
 
     fn kind_of(body: &str) -> Result<Kind, GroomReadError> {
-        let layer = parse(&format!("def BasisCurves \"c\" {{ int[] curveVertexCounts = [2] {body} }}"))?;
+        let layer =
+            parse(format!("def BasisCurves \"c\" {{ int[] curveVertexCounts = [2] {body} }}").as_bytes())?;
         control(&layer.prims[0], "/c").map(|c| c.kind)
     }
 
@@ -84,7 +85,7 @@ mod tests {
             let error = kind_of(body).unwrap_err().to_string();
             assert!(error.contains(says), "{says}: {error}");
         }
-        let layer = parse("def BasisCurves \"c\" { }").unwrap();
+        let layer = parse(b"def BasisCurves \"c\" { }").unwrap();
         let error = control(&layer.prims[0], "/c").err().unwrap().to_string();
         assert!(error.contains("no curveVertexCounts"), "{error}");
     }

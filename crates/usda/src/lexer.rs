@@ -1,11 +1,11 @@
 //! Words of USD text.
 
-use super::bad;
-use crate::error::GroomReadError;
+use crate::UsdaError;
+use crate::error::bad;
 
 /// One word of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Token<'a> {
+pub(crate) enum Token<'a> {
     /// A name, with its namespaces and suffix: `xformOp:transform.timeSamples`.
     Name(&'a str),
     /// A number.
@@ -21,28 +21,28 @@ pub(super) enum Token<'a> {
 }
 
 /// Takes words off a layer.
-pub(super) struct Lexer<'a> {
+pub(crate) struct Lexer<'a> {
     text: &'a str,
     at: usize,
 }
 
 impl<'a> Lexer<'a> {
-    pub(super) fn new(text: &'a str) -> Self {
+    pub(crate) fn new(text: &'a str) -> Self {
         Self { text, at: 0 }
     }
 
     /// The line that is being read, from 1.
-    pub(super) fn line(&self) -> usize {
+    pub(crate) fn line(&self) -> usize {
         1 + self.text.as_bytes()[..self.at].iter().filter(|b| **b == b'\n').count()
     }
 
     /// An error at this line.
-    pub(super) fn bad(&self, found: &str, expected: &str) -> GroomReadError {
+    pub(crate) fn bad(&self, found: &str, expected: &str) -> UsdaError {
         bad(format!("line {}", self.line()), found, expected)
     }
 
     /// The next word, left where it is.
-    pub(super) fn peek(&mut self) -> Result<Token<'a>, GroomReadError> {
+    pub(crate) fn peek(&mut self) -> Result<Token<'a>, UsdaError> {
         let before = self.at;
         let token = self.next();
         self.at = before;
@@ -50,7 +50,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// The next word.
-    pub(super) fn next(&mut self) -> Result<Token<'a>, GroomReadError> {
+    pub(crate) fn next(&mut self) -> Result<Token<'a>, UsdaError> {
         self.skip_blanks()?;
         let rest = &self.text[self.at..];
         let Some(first) = rest.chars().next() else { return Ok(Token::End) };
@@ -67,7 +67,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    fn skip_blanks(&mut self) -> Result<(), GroomReadError> {
+    fn skip_blanks(&mut self) -> Result<(), UsdaError> {
         loop {
             let rest = &self.text[self.at..];
             let trimmed = rest.trim_start();
@@ -84,7 +84,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// Text in single or triple quotes; a backslash takes away the meaning of what follows.
-    fn text_in_quotes(&mut self) -> Result<Token<'a>, GroomReadError> {
+    fn text_in_quotes(&mut self) -> Result<Token<'a>, UsdaError> {
         let rest = &self.text[self.at..];
         let quotes = ["\"\"\"", "'''", "\"", "'"];
         let quote = quotes.into_iter().find(|q| rest.starts_with(q)).unwrap_or("\"");
@@ -104,18 +104,18 @@ impl<'a> Lexer<'a> {
         Err(self.bad("an open quote", quote))
     }
 
-    fn enclosed(&mut self, sign: &str) -> Result<Token<'a>, GroomReadError> {
+    fn enclosed(&mut self, sign: &str) -> Result<Token<'a>, UsdaError> {
         self.enclosed_by(sign, sign)
     }
 
-    fn enclosed_by(&mut self, open: &str, close: &str) -> Result<Token<'a>, GroomReadError> {
+    fn enclosed_by(&mut self, open: &str, close: &str) -> Result<Token<'a>, UsdaError> {
         let rest = &self.text[self.at + open.len()..];
         let len = rest.find(close).ok_or_else(|| self.bad(&format!("an open {open}"), close))?;
         self.at += open.len() + len + close.len();
         Ok(Token::Reference)
     }
 
-    fn number(&mut self) -> Result<Token<'a>, GroomReadError> {
+    fn number(&mut self) -> Result<Token<'a>, UsdaError> {
         let rest = &self.text[self.at..];
         let is_part = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '-' | '+');
         let word = &rest[..rest.find(|c| !is_part(c)).unwrap_or(rest.len())];

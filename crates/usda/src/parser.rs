@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::layer::{Layer, Prim, Property, Specifier, Value};
-use super::lexer::{Lexer, Token};
-use crate::error::GroomReadError;
+use crate::error::bad;
+use crate::lexer::{Lexer, Token};
+use crate::{Layer, Prim, Property, Specifier, UsdaError, Value};
 
 /// How deep prims and brackets may be in one another: deeper is no scene, and would be the stack's end.
 const MAX_DEPTH: usize = 128;
@@ -17,8 +17,17 @@ const COMPOSITION: [&str; 6] =
 const MODIFIERS: [&str; 9] =
     ["custom", "uniform", "varying", "config", "prepend", "append", "add", "delete", "reorder"];
 
+/// Operations of a transform, of which all samples are kept.
+const OPERATIONS: &str = "xformOp:";
+
 /// Parses a layer.
-pub(super) fn parse(text: &str) -> Result<Layer, GroomReadError> {
+///
+/// # Errors
+/// [`UsdaError`] with the line: bytes that are no text of a layer, or prims and brackets too deep in one another.
+pub fn parse(bytes: &[u8]) -> Result<Layer, UsdaError> {
+    let text = str::from_utf8(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)).map_err(|error| {
+        bad(format!("byte {}", error.valid_up_to()), "bytes that are no text", "UTF-8 text")
+    })?;
     let mut parser = Parser { lexer: Lexer::new(text), layer: Layer::default() };
     // The magic line is a comment to the lexer.
     if parser.lexer.peek()? == Token::Sign('(') {
@@ -55,11 +64,11 @@ struct Parser<'a> {
 }
 
 impl<'a> Parser<'a> {
-    fn unexpected(&self, token: Token<'_>, expected: &str) -> GroomReadError {
+    fn unexpected(&self, token: Token<'_>, expected: &str) -> UsdaError {
         self.lexer.bad(&format!("{token:?}"), expected)
     }
 
-    fn expect(&mut self, sign: char) -> Result<(), GroomReadError> {
+    fn expect(&mut self, sign: char) -> Result<(), UsdaError> {
         match self.lexer.next()? {
             Token::Sign(found) if found == sign => Ok(()),
             token => Err(self.unexpected(token, &format!("{sign}"))),
@@ -67,7 +76,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Takes a sign if it is next.
-    fn eat(&mut self, sign: char) -> Result<bool, GroomReadError> {
+    fn eat(&mut self, sign: char) -> Result<bool, UsdaError> {
         let is_next = self.lexer.peek()? == Token::Sign(sign);
         if is_next {
             self.lexer.next()?;
@@ -76,7 +85,7 @@ impl<'a> Parser<'a> {
     }
 
     /// The rest of `def TYPE "NAME" (…) {…}`.
-    fn prim(&mut self, specifier: Specifier, depth: usize) -> Result<Prim, GroomReadError> {
+    fn prim(&mut self, specifier: Specifier, depth: usize) -> Result<Prim, UsdaError> {
         if depth > MAX_DEPTH {
             return Err(self.lexer.bad("a prim in over 128 others", "fewer"));
         }
@@ -116,7 +125,7 @@ impl<'a> Parser<'a> {
     }
 
     /// `(…)` behind a layer, a prim or a property: names and values; the rest is passed over.
-    fn metadata(&mut self, of: &str) -> Result<BTreeMap<String, Value>, GroomReadError> {
+    fn metadata(&mut self, of: &str) -> Result<BTreeMap<String, Value>, UsdaError> {
         self.expect('(')?;
         let mut metadata = BTreeMap::new();
         let mut name = "";
@@ -139,7 +148,7 @@ impl<'a> Parser<'a> {
     }
 
     /// `[uniform …] TYPE[[]] NAME [= VALUE] [(…)]`, its first word being taken. `None` for one without value.
-    fn property(&mut self, first: &'a str) -> Result<Option<(String, Property)>, GroomReadError> {
+    fn property(&mut self, first: &'a str) -> Result<Option<(String, Property)>, UsdaError> {
         let mut kind = first;
         while MODIFIERS.contains(&kind) {
             kind = self.a_name()?;
@@ -154,7 +163,7 @@ impl<'a> Parser<'a> {
         if self.eat('=')? {
             let (name, suffix) = name.split_once('.').unwrap_or((name, ""));
             let value = match suffix {
-                "timeSamples" => self.samples()?,
+                "timeSamples" => self.samples(name.starts_with(OPERATIONS))?,
                 "" | "default" => Property { value: Some(self.value(0)?), ..Property::default() },
                 _ => {
                     self.value(0)?;
@@ -169,15 +178,15 @@ impl<'a> Parser<'a> {
         Ok(property)
     }
 
-    fn a_name(&mut self) -> Result<&'a str, GroomReadError> {
+    fn a_name(&mut self) -> Result<&'a str, UsdaError> {
         match self.lexer.next()? {
             Token::Name(name) => Ok(name),
             token => Err(self.unexpected(token, "a name")),
         }
     }
 
-    /// `{ TIME: VALUE, … }`, of which the earliest is kept.
-    fn samples(&mut self) -> Result<Property, GroomReadError> {
+    /// `{ TIME: VALUE, … }`, of which all or the earliest are kept.
+    fn samples(&mut self, all: bool) -> Result<Property, UsdaError> {
         let mut property = Property::default();
         self.expect('{')?;
         while !self.eat('}')? {
@@ -188,20 +197,30 @@ impl<'a> Parser<'a> {
             self.expect(':')?;
             let value = self.value(0)?;
             property.n_samples += 1;
-            let is_earlier = property.first_sample.as_ref().is_none_or(|(first, _)| time < *first);
-            if is_earlier && value != Value::Other {
-                property.first_sample = Some((time, value));
+            let is_earliest = property.samples.first().is_none_or(|(first, _)| time < *first);
+            if !all && is_earliest && value != Value::Other {
+                property.samples.clear();
+            }
+            if (all || is_earliest) && value != Value::Other {
+                property.samples.push((time, value));
             }
             if !self.eat(',')? {
                 self.expect('}')?;
                 break;
             }
         }
+        // Of two at one time the later word holds, as in a dictionary.
+        property.samples.reverse();
+        property.samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+        property.samples.dedup_by(|a, b| a.0 == b.0);
+        if let Some((time, _)) = property.samples.iter().find(|(time, _)| !time.is_finite()) {
+            return Err(self.lexer.bad(&format!("a sample at {time}"), "a finite time"));
+        }
         Ok(property)
     }
 
     /// A value, flattened.
-    fn value(&mut self, depth: usize) -> Result<Value, GroomReadError> {
+    fn value(&mut self, depth: usize) -> Result<Value, UsdaError> {
         let mut numbers = Vec::new();
         let mut texts = Vec::new();
         let is_other = self.collect(&mut numbers, &mut texts, depth)?;
@@ -218,7 +237,7 @@ impl<'a> Parser<'a> {
         numbers: &mut Vec<f64>,
         texts: &mut Vec<String>,
         depth: usize,
-    ) -> Result<bool, GroomReadError> {
+    ) -> Result<bool, UsdaError> {
         if depth > MAX_DEPTH {
             return Err(self.lexer.bad("brackets in over 128 others", "fewer"));
         }
@@ -259,7 +278,7 @@ impl<'a> Parser<'a> {
         Ok(false)
     }
 
-    fn skip_until(&mut self, sign: char) -> Result<(), GroomReadError> {
+    fn skip_until(&mut self, sign: char) -> Result<(), UsdaError> {
         loop {
             match self.lexer.next()? {
                 Token::Sign(found) if found == sign => return Ok(()),
@@ -270,7 +289,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Passes over everything until `depth` open brackets are closed.
-    fn skip_brackets(&mut self, mut depth: usize) -> Result<(), GroomReadError> {
+    fn skip_brackets(&mut self, mut depth: usize) -> Result<(), UsdaError> {
         while depth > 0 {
             match self.lexer.next()? {
                 Token::Sign('(' | '[' | '{') => depth += 1,
@@ -286,7 +305,9 @@ impl<'a> Parser<'a> {
 /// Puts an attribute's samples beside its value, which stand in statements of their own.
 fn merge(property: &mut Property, other: Property) {
     property.value = other.value.or(property.value.take());
-    property.first_sample = other.first_sample.or(property.first_sample.take());
+    if !other.samples.is_empty() {
+        property.samples = other.samples;
+    }
     property.n_samples = property.n_samples.max(other.n_samples);
 }
 
@@ -318,12 +339,18 @@ def Xform "A" (
     variantSet "look" = { "red" { def "X" { } } "blue" { } }
     def "B" { int[] n = [1, 2]; point3f[] p = [(1, 2, 3), (4, 5, 6)] (interpolation = "vertex") }
     over "C" { }
+    point3f[] points.timeSamples = { 1: [(1, 2, 3)], 0: [(4, 5, 6)], 2: [(7, 8, 9)] }
 }
 "#;
 
+    fn kept_points(prim: &Prim) -> usize {
+        assert_eq!(prim.numbers("points"), Some(&[4.0, 5.0, 6.0][..]));
+        prim.properties["points"].samples.len()
+    }
+
     #[test]
     fn a_layer() {
-        let layer = parse(LAYER).unwrap();
+        let layer = parse(LAYER.as_bytes()).unwrap();
         assert_eq!(layer.metadata["metersPerUnit"].number(), Some(0.01));
         assert_eq!(layer.metadata["defaultPrim"].text(), Some("A"));
         let a = &layer.prims[0];
@@ -331,6 +358,12 @@ def Xform "A" (
         assert_eq!(a.text("name"), Some("x"));
         assert_eq!(a.numbers("xformOp:translate"), Some(&[4.0, 5.0, 6.0][..]), "the earliest sample");
         assert!(a.is_animated("xformOp:translate"));
+        assert_eq!(
+            a.codes("xformOp:translate").collect::<Vec<_>>(),
+            [2.0, 5.0],
+            "rising, blocked ones left out"
+        );
+        assert_eq!(kept_points(a), 1, "of anything but a transform the earliest");
         let b = &a.children[0];
         assert_eq!(b.numbers("n"), Some(&[1.0, 2.0][..]));
         assert_eq!(b.numbers("p"), Some(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0][..]));
@@ -348,17 +381,17 @@ def Xform "A" (
         let end = LAYER.trim_end().len();
         let start = LAYER.find("def Xform").unwrap();
         for len in (start + 3..end).filter(|len| LAYER.is_char_boundary(*len)) {
-            assert!(parse(&LAYER[..len]).is_err(), "{}", &LAYER[..len]);
+            assert!(parse(&LAYER.as_bytes()[..len]).is_err(), "{}", &LAYER[..len]);
         }
-        let error = parse("#usda 1.0\ndef X \"a\" {\n int b = }\n").unwrap_err().to_string();
+        let error = parse(b"#usda 1.0\ndef X \"a\" {\n int b = }\n").unwrap_err().to_string();
         assert!(error.contains("line 3"), "{error}");
     }
 
     #[test]
     fn what_is_too_deep_is_refused() {
         let prims = "def \"a\" {".repeat(100_000);
-        assert!(parse(&prims).unwrap_err().to_string().contains("over 128"));
+        assert!(parse(prims.as_bytes()).unwrap_err().to_string().contains("over 128"));
         let brackets = format!("def \"a\" {{ int b = {}", "[".repeat(100_000));
-        assert!(parse(&brackets).unwrap_err().to_string().contains("over 128"));
+        assert!(parse(brackets.as_bytes()).unwrap_err().to_string().contains("over 128"));
     }
 }
