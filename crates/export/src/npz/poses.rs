@@ -91,7 +91,9 @@ fn rotation(k: usize, row_major: &[f64]) -> Result<UnitQuaternion<f64>, NpzError
             ),
         });
     }
-    Ok(UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&m)))
+    // Not `Rotation3::from_matrix`, which iterates from no turn and gets stuck at a half turn.
+    let near = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(m));
+    Ok(UnitQuaternion::new_normalize(near.into_inner()))
 }
 
 #[cfg(test)]
@@ -114,6 +116,18 @@ mod tests {
         for (a, b) in read.poses.iter().zip(&track.poses) {
             assert!((a.translation.vector - b.translation.vector).norm() == 0.0);
             assert!(a.rotation.angle_to(&b.rotation) < 1e-7);
+        }
+    }
+
+    /// A head that faces backwards in its world.
+    #[test]
+    fn a_half_turn_comes_back() {
+        for axis in [Vec3::x(), Vec3::y(), Vec3::z(), Vec3::new(0.6, 0.0, -0.8)] {
+            let pose = Pose::new(Vec3::zeros(), axis * std::f64::consts::PI);
+            let mut out = Cursor::new(Vec::new());
+            write_poses_npz(&PoseTrack::still(pose), &mut out).unwrap();
+            let read = read_poses_npz(out.get_ref()).unwrap();
+            assert!(read.poses[0].rotation.angle_to(&pose.rotation) < 1e-7, "{axis}");
         }
     }
 
