@@ -1,0 +1,90 @@
+//! Whom a strand follows, and how much.
+
+use rayon::prelude::*;
+
+use crate::alike::{Place, squared_distance};
+use crate::guides::Follower;
+
+/// Guides that a strand follows at most. More make motion smoother from strand to strand and flatter.
+const N_FOLLOWED: usize = 4;
+
+/// The least weight of the nearest guide. Above one half, the mean of the directions that guides give a stick can
+/// never be nothing, whatever they do: the others together cannot undo the nearest. So a stick between guides that
+/// swing apart turns fast at worst, by 1 / (2 · 0.55 − 1) = 10 times what they turn, and never flips.
+pub(crate) const NEAREST_SHARE: f64 = 0.55;
+
+/// Whom each strand follows. `guides` are indices of strands, rising.
+pub(crate) fn followers(places: &[Place], guides: &[usize]) -> Vec<Follower> {
+    let follower = |(strand, place): (usize, &Place)| match guides.binary_search(&strand) {
+        Ok(guide) => Follower::Guide(guide),
+        Err(_) => Follower::Mean(weights(&nearest(places, guides, place))),
+    };
+    places.par_iter().enumerate().with_min_len(64).map(follower).collect()
+}
+
+/// The nearest guides and one more, with their distances, m, the nearest first.
+fn nearest(places: &[Place], guides: &[usize], place: &Place) -> Vec<(usize, f64)> {
+    let mut all: Vec<(usize, f64)> =
+        guides.iter().enumerate().map(|(k, g)| (k, squared_distance(place, &places[*g]).sqrt())).collect();
+    let by_distance = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0));
+    if all.len() > N_FOLLOWED + 1 {
+        all.select_nth_unstable_by(N_FOLLOWED, by_distance);
+        all.truncate(N_FOLLOWED + 1);
+    }
+    all.sort_unstable_by(by_distance);
+    all
+}
+
+/// Weights of guides at distances `d`, of which the last is one too many.
+///
+/// w ∝ ((1 − d/R) / d)², R being the distance of the first guide that is not followed: modified Shepard weights
+/// (Franke and Nielson 1980). They are smooth from strand to strand: a guide's weight is nothing where another
+/// takes its place. A strand that is a guide's twin follows it alone. Then the nearest gets [`NEAREST_SHARE`] at
+/// least, the others what is left.
+fn weights(nearest: &[(usize, f64)]) -> Vec<(usize, f64)> {
+    let (followed, radius) = match nearest.get(N_FOLLOWED) {
+        Some((_, radius)) => (&nearest[..N_FOLLOWED], *radius),
+        None => (nearest, f64::INFINITY),
+    };
+    let (first, d_first) = followed[0];
+    if d_first == 0.0 || followed.len() == 1 || d_first == radius {
+        return vec![(first, 1.0)];
+    }
+    // Over the first one's distance, so that no square is too large or too small.
+    let weight = |d: f64| ((1.0 - d / radius) * d_first / d).powi(2);
+    let mut weights: Vec<(usize, f64)> = followed.iter().map(|(guide, d)| (*guide, weight(*d))).collect();
+    let others: f64 = weights[1..].iter().map(|(_, w)| w).sum();
+    let share = f64::max(weights[0].1 / (weights[0].1 + others), NEAREST_SHARE);
+    weights[0].1 = share;
+    weights[1..].iter_mut().for_each(|(_, w)| *w *= (1.0 - share) / others);
+    weights.retain(|(_, w)| *w > 0.0);
+    weights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(distances: &[f64], expected: &[f64]) {
+        let nearest: Vec<(usize, f64)> = distances.iter().copied().enumerate().collect();
+        let found: Vec<f64> = weights(&nearest).into_iter().map(|(_, w)| w).collect();
+        assert_eq!(found.len(), expected.len(), "{found:?}");
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn weights_by_hand() {
+        check(&[0.3], &[1.0]);
+        check(&[0.0, 0.1], &[1.0]);
+        // Squares of 1/1 and 1/2: 4 to 1.
+        check(&[1.0, 2.0], &[0.8, 0.2]);
+        // Equally near: the first gets its least share.
+        check(&[1.0, 1.0], &[0.55, 0.45]);
+        // (1 - 1/4)² = 9/16 and ((1 - 1/2)/2)² = 1/16; the fourth and fifth are at the rim.
+        check(&[1.0, 2.0, 4.0, 4.0, 4.0], &[0.9, 0.1]);
+        // All at the rim.
+        check(&[1.0; 5], &[1.0]);
+    }
+}
