@@ -320,16 +320,30 @@ pub struct SimulateArgs {
     /// The longest step, s [default: the method's own].
     #[arg(long, value_name = "S")]
     pub dt_secs: Option<f64>,
-    /// The shot's own head motion in place of the capture's, in the capture's world axes: .npz with `t` (T), `R`
-    /// (T,3,3), `p` (T,3), so that world = R head + p.
-    #[arg(long, value_name = "POSES.npz")]
-    pub head: Option<PathBuf>,
+    /// The shot's own head motion in place of the capture's: .npz in the capture's world axes with `t` (T), `R`
+    /// (T,3,3), `p` (T,3), so that world = R head + p; or an animated transform in .usda: the prim behind the
+    /// colon, or the only one that is animated.
+    #[arg(long, value_name = "POSES.npz|FILE.usda[:/PRIM]")]
+    pub head: Option<String>,
+    /// The head's own axes in its USD prim: up and where the nose points [default: up as the stage; nose Z where Y
+    /// is up, X where Z is up].
+    #[arg(long, value_parser = parse_head_axes, value_name = "UP,NOSE", requires = "head", allow_hyphen_values = true)]
+    pub head_axes: Option<tousle_usda::HeadAxes>,
+    /// The time code of the USD stage that meets the field's first step [default: the stage's first].
+    #[arg(long, value_name = "CODE", requires = "head", allow_hyphen_values = true)]
+    pub head_start: Option<f64>,
     /// What the wind does outside the field's span.
     #[arg(long, value_parser = parse_time, default_value = "once", value_name = "once|loop|hold")]
     pub time: tousle_sim::TimeMode,
     /// How long the motion lasts, s [default: to the field's last step].
     #[arg(long, value_name = "S")]
     pub duration_secs: Option<f64>,
+    /// Simulate only N guides, chosen among the strands; the others follow them. For dense grooms.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub guides: Option<u32>,
+    /// Strands that follow and are simulated too, to tell how far off those are that are not; 0 for none.
+    #[arg(long, value_name = "N", default_value_t = 200, requires = "guides")]
+    pub guides_check: u32,
     /// How strands are drawn in a .usda file.
     #[arg(long, value_enum, default_value_t = ShapeArg::Curves, value_name = "SHAPE")]
     pub shape: ShapeArg,
@@ -465,6 +479,14 @@ fn parse_unit(name: &str) -> Result<tousle_core::LengthUnit, String> {
 
 fn parse_up_axis(name: &str) -> Result<tousle_core::UpAxis, String> {
     tousle_core::UpAxis::from_name(name).ok_or_else(|| "expected X, Y or Z".to_owned())
+}
+
+fn parse_head_axes(text: &str) -> Result<tousle_usda::HeadAxes, String> {
+    let expected = || format!("found {text:?}, expected two axes: Y,Z or Z,X or Y,-Z");
+    let (up, forward) = text.split_once(',').ok_or_else(expected)?;
+    let [up, forward] =
+        [up, forward].map(|axis| tousle_groom::Axis::from_name(axis).map(tousle_groom::Axis::vector));
+    Ok(tousle_usda::HeadAxes { up: up.ok_or_else(expected)?, forward: forward.ok_or_else(expected)? })
 }
 
 fn parse_axis(name: &str) -> Result<tousle_groom::Axis, String> {

@@ -1,6 +1,7 @@
 //! What a person sees while a command runs: bars on stderr, an error in words, an exit code.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use std::fmt;
 use std::process::ExitCode;
 use tousle_core::Progress;
 use tousle_pipeline::Watch;
@@ -48,11 +49,27 @@ impl Watch for Bars {
             if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() },
         );
         let style = ProgressStyle::with_template(
-            "{prefix:>10} {wide_bar:.cyan/dim} {percent:>3} % {elapsed:>4} left {eta:>4}",
+            "{prefix:>10} {wide_bar:.cyan/dim} {percent:>3} % {rate:>18} {elapsed:>4} left {eta:>4}",
         );
+        let unit = unit_of(name);
+        let style = style.map(|style| {
+            style.with_key("rate", move |state: &ProgressState, out: &mut dyn fmt::Write| {
+                let _ = write!(out, "{} {unit}/s", HumanCount(state.per_sec() as u64));
+            })
+        });
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.set_prefix(name);
         Box::new(Bar(bar))
+    }
+}
+
+/// What a stage counts, for its rate.
+fn unit_of(stage: &str) -> &'static str {
+    match stage {
+        // A step of one strand.
+        "simulate" | "check" => "steps",
+        "follow" => "frames",
+        _ => "",
     }
 }
 

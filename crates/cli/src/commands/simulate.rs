@@ -1,34 +1,49 @@
+mod guided;
+mod head;
+mod outputs;
+
 use super::{check_ending, ending, print_json, read_eff, read_groom};
 use crate::args::{MethodArg, ShapeArg, SimulateArgs};
 use crate::ui::Outcome;
-use anyhow::Context;
+use anyhow::bail;
+use guided::Simulated;
+use outputs::Outputs;
+use std::io::{Seek, Write};
 use std::path::Path;
 use tousle_core::{Groom, StrandMotion};
-use tousle_export::{HairGeometry, UsdOptions};
+use tousle_export::{ExportError, HairGeometry, UsdOptions};
 use tousle_field::Scene;
-use tousle_pipeline::{Watch, read_file, write_whole};
-use tousle_sim::{Method, SimOptions, SimReport, Simulation};
+use tousle_pipeline::{Watch, write_whole};
+use tousle_sim::{Method, SimOptions};
 
 /// `tousle simulate`
 pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
-    for output in &args.output {
+    for (k, output) in args.output.iter().enumerate() {
         check_ending(output, &["npz", "usda"])?;
+        if args.output[..k].contains(output) {
+            bail!("output {}: found it twice, expected each once", output.display());
+        }
     }
     let eff = read_eff(&args.field)?;
     let groom = read_groom(&args.groom, &args.groom_args, &eff.scene)?;
-    let options = options(args)?;
-    let stage = watch.stage("simulate");
-    let Simulation { motion, report } =
-        tousle_sim::simulate(&eff.field, &eff.scene, &groom, &options, &*stage)?;
-    drop(stage);
-    let scene = Scene { poses: options.head.unwrap_or_else(|| eff.scene.poses.clone()), ..eff.scene.clone() };
-    for output in &args.output {
-        write_motion(output, &motion, &groom, &scene, args.shape)?;
+    let mut options = options(args);
+    let mut assumed = Vec::new();
+    if let Some(head) = head::read_head(args, &eff)? {
+        options.head = Some(head.poses);
+        assumed = head.assumed;
     }
+    let mut simulated = guided::simulate(&eff, &groom, &options, args, watch)?;
+    simulated.report.assumed.extend(assumed);
+    let scene = Scene { poses: options.head.unwrap_or_else(|| eff.scene.poses.clone()), ..eff.scene.clone() };
+    let mut outputs = Outputs::default();
+    for output in &args.output {
+        outputs.add(output, |out| put_motion(output, &simulated.motion, &groom, &scene, args.shape, out))?;
+    }
+    outputs.appear()?;
     if args.json {
-        print_json(&report)?;
+        print_json(&simulated)?;
     } else {
-        print!("{}", summary(&motion, &report, args.explain));
+        print!("{}", summary(&simulated, args.explain));
         for output in &args.output {
             println!("wrote {}", output.display());
         }
@@ -36,27 +51,19 @@ pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-fn options(args: &SimulateArgs) -> anyhow::Result<SimOptions> {
-    let head = match &args.head {
-        None => None,
-        Some(path) => Some(
-            tousle_export::read_poses_npz(&read_file(path)?)
-                .with_context(|| format!("cannot read the head's poses {}", path.display()))?,
-        ),
-    };
+fn options(args: &SimulateArgs) -> SimOptions {
     let method = match args.method {
         MethodArg::Paper => Method::Paper,
     };
-    Ok(SimOptions {
+    SimOptions {
         method,
         rate_hz: args.rate_hz,
         integrator: args.integrator,
         dt_secs: args.dt_secs,
         time: args.time,
         duration_secs: args.duration_secs,
-        head,
         ..SimOptions::default()
-    })
+    }
 }
 
 /// Writes a motion in the format that the path's ending names.
@@ -67,9 +74,20 @@ pub fn write_motion(
     scene: &Scene,
     shape: ShapeArg,
 ) -> anyhow::Result<()> {
+    write_whole(path, |out| put_motion(path, motion, groom, scene, shape, out))?;
+    Ok(())
+}
+
+fn put_motion(
+    path: &Path,
+    motion: &StrandMotion,
+    groom: &Groom,
+    scene: &Scene,
+    shape: ShapeArg,
+    out: impl Write + Seek,
+) -> Result<(), ExportError> {
     if ending(path) == "npz" {
-        write_whole(path, |out| tousle_export::write_motion_npz(motion, out))?;
-        return Ok(());
+        return tousle_export::write_motion_npz(motion, out);
     }
     let mut options = UsdOptions::default();
     options.geometry = match shape {
@@ -78,13 +96,13 @@ pub fn write_motion(
         ShapeArg::Both => HairGeometry::Both,
     };
     options.scene = Some(scene);
-    write_whole(path, |out| tousle_export::write_motion_usda(motion, groom, &options, out))?;
-    Ok(())
+    tousle_export::write_motion_usda(motion, groom, &options, out)
 }
 
 /// What was done, for a person.
-fn summary(motion: &StrandMotion, report: &SimReport, explain: bool) -> String {
+fn summary(simulated: &Simulated, explain: bool) -> String {
     use std::fmt::Write;
+    let Simulated { motion, report, guides } = simulated;
     let mut text = String::new();
     let (n_strands, n_points, n_frames) = (motion.counts.len(), motion.n_points(), motion.times_secs.len());
     let _ = writeln!(
@@ -95,6 +113,9 @@ fn summary(motion: &StrandMotion, report: &SimReport, explain: bool) -> String {
         report.n_steps,
         report.dt_secs * 1e3
     );
+    if let Some(guides) = guides {
+        let _ = writeln!(text, "{guides}");
+    }
     if explain {
         let _ = writeln!(text, "limit: {}", report.limit);
         for entry in &report.plan {

@@ -1,0 +1,79 @@
+//! Simulates all strands, or some that the others follow.
+
+use crate::args::SimulateArgs;
+use serde::Serialize;
+use std::fmt;
+use tousle_core::{Groom, StrandMotion};
+use tousle_eff::Eff;
+use tousle_guide::{FollowError, Guides};
+use tousle_pipeline::Watch;
+use tousle_sim::{SimOptions, SimReport, Simulation};
+
+/// The motion of all strands and how it came about.
+#[derive(Debug, Serialize)]
+pub struct Simulated {
+    /// The motion.
+    #[serde(skip)]
+    pub motion: StrandMotion,
+    /// What the simulator says; of the guides, if there are any.
+    #[serde(flatten)]
+    pub report: SimReport,
+    /// Who followed whom.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub guides: Option<GuideReport>,
+}
+
+/// Who followed whom, and how well.
+#[derive(Debug, Serialize)]
+pub struct GuideReport {
+    /// Strands that were simulated.
+    pub n_guides: usize,
+    /// Strands that followed them.
+    pub n_following: usize,
+    /// How far those are from where the simulator takes them; `None` if it was not looked at.
+    pub error: Option<FollowError>,
+}
+
+/// Simulates a groom as the arguments want it: whole, or guides that the rest follows.
+pub fn simulate(
+    eff: &Eff,
+    groom: &Groom,
+    options: &SimOptions,
+    args: &SimulateArgs,
+    watch: &dyn Watch,
+) -> anyhow::Result<Simulated> {
+    let run = |stage: &'static str, groom: &Groom| {
+        tousle_sim::simulate(&eff.field, &eff.scene, groom, options, &*watch.stage(stage))
+    };
+    let n_guides = args.guides.map(|n| n as usize).filter(|n| *n < groom.strands.len());
+    let Some(n_guides) = n_guides else {
+        let Simulation { motion, report } = run("simulate", groom)?;
+        return Ok(Simulated { motion, report, guides: None });
+    };
+    let guides = tousle_guide::choose(groom, n_guides)?;
+    let Simulation { motion, report } = run("simulate", &guides.groom(groom))?;
+    let motion = tousle_guide::follow(groom, &guides, &motion, &*watch.stage("follow"))?;
+    let sample = guides.sample(args.guides_check as usize);
+    let mut error = None;
+    if !sample.is_empty() {
+        let checked = run("check", &Guides::groom_of(groom, &sample))?;
+        error = Some(tousle_guide::compare(&motion, &checked.motion, &sample)?);
+    }
+    let n_guides = guides.strands().len();
+    let report_of_guides = GuideReport { n_guides, n_following: groom.strands.len() - n_guides, error };
+    Ok(Simulated { motion, report, guides: Some(report_of_guides) })
+}
+
+impl fmt::Display for GuideReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} guides simulated, {} strands follow; ", self.n_guides, self.n_following)?;
+        match &self.error {
+            None => write!(f, "how well was not looked at (--guides-check 0)"),
+            Some(error) => write!(
+                f,
+                "{} of these simulated too: {:.1} mm off in the mean, 95 % within {:.1} mm, explained motion {:.3}",
+                error.n_strands, error.mean_mm, error.p95_mm, error.explained
+            ),
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! The shot's own head motion: `.npz`, or a transform in USD text.
+
+use crate::args::SimulateArgs;
+use anyhow::{Context, bail};
+use std::path::{Path, PathBuf};
+use tousle_core::{Assumption, PoseTrack, Vec3};
+use tousle_eff::Eff;
+use tousle_pipeline::read_file;
+use tousle_usda::PoseOptions;
+
+/// A head's motion on the field's clock, and what was assumed to get it there.
+pub struct ShotHead {
+    /// The motion.
+    pub poses: PoseTrack,
+    /// How time codes and axes were taken.
+    pub assumed: Vec<Assumption>,
+}
+
+/// Reads what `--head` names; `None` without it.
+pub fn read_head(args: &SimulateArgs, eff: &Eff) -> anyhow::Result<Option<ShotHead>> {
+    let Some(name) = &args.head else { return Ok(None) };
+    let (path, prim) = split(name);
+    let is_usd = super::ending(&path).starts_with("usd");
+    if !is_usd && (args.head_axes.is_some() || args.head_start.is_some()) {
+        bail!("--head-axes, --head-start: found poses in {}, expected a .usda file", path.display());
+    }
+    let bytes = read_file(&path)?;
+    let says = || format!("cannot read the head's poses {}", path.display());
+    if is_usd {
+        return read_usda(&bytes, prim, args, eff, &path).with_context(says).map(Some);
+    }
+    let poses = tousle_export::read_poses_npz(&bytes).with_context(says)?;
+    Ok(Some(ShotHead { poses, assumed: Vec::new() }))
+}
+
+fn read_usda(
+    bytes: &[u8],
+    prim: Option<String>,
+    args: &SimulateArgs,
+    eff: &Eff,
+    path: &Path,
+) -> anyhow::Result<ShotHead> {
+    let mut options = PoseOptions::default();
+    options.prim = prim;
+    options.axes = args.head_axes;
+    options.start_code = args.head_start;
+    options.start_secs = eff.field.start_secs;
+    options.world_up = (-eff.scene.gravity_world).try_normalize(1e-9).unwrap_or_else(Vec3::z);
+    let read = tousle_usda::read_poses(bytes, &options)?;
+    for warning in &read.warnings {
+        eprintln!("warning: {}: {warning}", path.display());
+    }
+    let mut assumed = Vec::new();
+    let mut assume = |what: &str, value: String, why: &str| {
+        assumed.push(Assumption { what: what.to_owned(), value, why: why.to_owned() });
+    };
+    if args.head_start.is_none() {
+        let value = format!("time code {} of {} at {} s", read.start_code, read.prim, options.start_secs);
+        assume(
+            "head: start",
+            value,
+            "the stage's first time code meets the field's first step; --head-start",
+        );
+    }
+    if args.head_axes.is_none() {
+        let value = "up as the stage; nose along x where z is up, along z where y is up".to_owned();
+        assume("head: axes", value, "no USD file states them; --head-axes");
+    }
+    Ok(ShotHead { poses: read.poses, assumed })
+}
+
+/// `FILE.usda:/World/Head` as file and prim.
+fn split(name: &str) -> (PathBuf, Option<String>) {
+    let at = name.to_ascii_lowercase().find(".usda:/").map(|at| at + ".usda".len());
+    match at {
+        Some(at) => (name[..at].into(), Some(name[at + 1..].to_owned())),
+        None => (name.into(), None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn file_and_prim() {
+        for (name, file, prim) in [
+            ("a.npz", "a.npz", None),
+            ("C:/a.usda", "C:/a.usda", None),
+            ("C:/A.USDA:/World/Head", "C:/A.USDA", Some("/World/Head")),
+        ] {
+            assert_eq!(split(name), (PathBuf::from(file), prim.map(str::to_owned)));
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! `tousle simulate`: guides, a shot's own head, several outputs.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod common;
+
+use common::Room;
+
+fn room_with_a_field() -> Room {
+    let room = Room::new();
+    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 100").ended(0);
+    room
+}
+
+#[test]
+fn strands_follow_guides_and_the_report_says_how_well() {
+    let room = room_with_a_field();
+    let simulate = "simulate f.eff.mcap --groom bob.json --duration-secs 2";
+    let run = room.run(&format!("{simulate} -o g.npz --guides 15 --json")).ended(0);
+    let report: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let guides = &report["guides"];
+    assert_eq!((guides["n_guides"].as_u64(), guides["n_following"].as_u64()), (Some(15), Some(45)));
+    let error = &guides["error"];
+    assert_eq!(error["n_strands"], 45, "a small groom is looked at as a whole");
+    let [mean, p95] = ["mean_mm", "p95_mm"].map(|key| error[key].as_f64().unwrap());
+    assert!(0.0 < mean && mean < p95 && p95 < 100.0, "{error}");
+    assert!(report["integrator"].is_string(), "the simulator's report is there too");
+    // As many points as all strands have, and the same whoever looks.
+    room.run(&format!("{simulate} -o all.npz")).ended(0);
+    let motion = |file: &str| tousle_export::read_motion_npz(&room.read(file)).unwrap();
+    let (followed, all) = (motion("g.npz"), motion("all.npz"));
+    assert_eq!((&followed.counts, &followed.times_secs), (&all.counts, &all.times_secs));
+    assert_eq!(followed.frame(0), all.frame(0), "the rest curves");
+    let run = room.run(&format!("{simulate} -o h.npz --guides 15 --guides-check 0 --threads 1")).ended(0);
+    assert!(run.out.contains("15 guides simulated, 45 strands follow"), "{}", run.out);
+    assert!(room.read("g.npz") == room.read("h.npz"));
+    // More guides than strands: all are simulated.
+    room.run(&format!("{simulate} -o n.npz --guides 1000")).ended(0);
+    assert!(room.read("n.npz") == room.read("all.npz"));
+    room.run(&format!("{simulate} -o x.npz --guides 0")).ended(2);
+}
+
+#[test]
+fn a_shots_head_comes_as_usd() {
+    let room = room_with_a_field();
+    let head = "#usda 1.0\n(upAxis = \"Y\" metersPerUnit = 0.01 timeCodesPerSecond = 24 startTimeCode = 1001)\n\
+        def Xform \"World\" { def Xform \"Head\" {\n\
+        double3 xformOp:translate.timeSamples = { 1001: (0, 160, 0), 1013: (20, 160, 0), 1025: (0, 160, 0) }\n\
+        float3 xformOp:rotateXYZ.timeSamples = { 1001: (0, 0, 0), 1013: (0, 60, 0), 1025: (0, 0, 0) }\n\
+        uniform token[] xformOpOrder = [\"xformOp:translate\", \"xformOp:rotateXYZ\"] } }\n";
+    room.write("shot.usda", head);
+    let simulate = "simulate f.eff.mcap --groom bob.json --duration-secs 1.5";
+    let run = room.run(&format!("{simulate} -o a.npz --head shot.usda --explain")).ended(0);
+    assert!(run.out.contains("time code 1001 of /World/Head"), "{}", run.out);
+    room.run(&format!("{simulate} -o b.npz --head shot.usda:/World/Head --head-axes Y,Z --head-start 1001"))
+        .ended(0);
+    assert!(room.read("a.npz") == room.read("b.npz"), "the defaults by name");
+    room.run(&format!("{simulate} -o c.npz")).ended(0);
+    assert!(room.read("a.npz") != room.read("c.npz"), "the head moves the hair");
+    let run = room.run(&format!("{simulate} -o d.npz --head shot.usda:/World/Hat")).ended(1);
+    assert!(run.err.contains("/World/Hat: found no such prim"), "{}", run.err);
+    room.run(&format!("{simulate} -o d.npz --head shot.usda --head-axes Y")).ended(2);
+}
+
+#[test]
+fn several_outputs_appear_together_or_not_at_all() {
+    let room = room_with_a_field();
+    let simulate = "simulate f.eff.mcap --groom bob.json --duration-secs 0.1";
+    let before = room.files();
+    room.run(&format!("{simulate} -o a.npz -o nowhere/b.usda")).ended(1);
+    assert_eq!(room.files(), before);
+    room.run(&format!("{simulate} -o a.npz -o a.npz")).ended(1);
+    assert_eq!(room.files(), before);
+    room.run(&format!("{simulate} -o a.npz -o b.usda")).ended(0);
+    assert_eq!(room.files().len(), before.len() + 2);
+}
