@@ -1,6 +1,6 @@
 """Programs that others wrote open what the demo wrote: PyPI mcap and pymcap-cli, NumPy, usd-core.
 
-    python check.py DEMO_FOLDER
+    python check.py DEMO_FOLDER [TOUSLE]
 
 Prints a line a check; ends with exit code 1 at the first that fails.
 """
@@ -67,6 +67,10 @@ def check_usd():
     check("bob.usda: reeds have texture coordinates", bool(st), f"{st.GetInterpolation()}")
 
 
+if len(sys.argv) > 2:
+    convert = [sys.argv[2], "-q", "convert", "gusts.c3d", "--session", "session.json", "-o", "preview.eff.mcap", "--preview"]
+    subprocess.run([str(Path(convert[0]).resolve()), *convert[1:]], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+    check_field("preview.eff.mcap")
 for field in ("gusts.eff.mcap", "lifted.eff.mcap"):
     check_field(field)
 check_npz()

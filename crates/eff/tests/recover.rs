@@ -162,3 +162,26 @@ fn no_flipped_bit_stops_it_from_saving_the_rest() {
         bytes[at] ^= 1 << (at % 8);
     }
 }
+
+/// Samples come among the steps: wherever a long file is cut, it has whole steps and the samples of their times.
+#[test]
+fn a_file_cut_in_its_first_tenth_has_steps_and_their_samples() {
+    let mut eff = small();
+    let grid = tousle_field::GridSpec { dims: [12, 12, 12], ..eff.field.grid };
+    eff.field.grid = grid;
+    eff.field.steps = (0..60).map(|k| arbitrary::step(&grid, f64::from(k))).collect();
+    let samples = eff.samples.as_mut().unwrap();
+    let step = samples.steps[4].clone();
+    // As much in samples as in voxels, all in voxels that are flagged.
+    samples.steps = vec![std::iter::repeat_n(step, 300).flatten().collect(); 60];
+    let mut bytes = Vec::new();
+    write(&eff, &mut bytes, &WriteOptions::default(), &NoProgress).unwrap();
+    let mut out = Vec::new();
+    let recovery = recover(Cursor::new(&bytes[..bytes.len() / 10]), &mut out, &NoProgress).unwrap();
+    let saved = read(&out[..], &ReadOptions::default()).unwrap();
+    let n_steps = recovery.n_steps as usize;
+    assert!(n_steps >= 3, "{n_steps}");
+    assert_eq!(saved.field.steps[..], eff.field.steps[..n_steps]);
+    let n_samples = saved.samples.unwrap().steps.len();
+    assert!((n_steps..=n_steps + 16).contains(&n_samples), "{n_samples} for {n_steps}");
+}

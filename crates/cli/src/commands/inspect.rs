@@ -6,6 +6,7 @@ use crate::ui::Outcome;
 use anyhow::Context;
 use std::fmt::Write;
 use tousle_eff::Inspection;
+use tousle_eff::manifest::{EncodingInfo, EncodingName};
 use tousle_groom::{GroomOptions, GroomReadError, GroomSummary};
 use tousle_pipeline::Watch;
 
@@ -77,13 +78,20 @@ fn field_table(field: &Inspection) -> String {
         "strength   {:.2} in the mean where measured, {:.2} at most",
         coverage.mean_measured_length, coverage.max_length
     );
+    let encoding = &info.encoding;
+    let _ = writeln!(text, "packed     {}", packing(encoding));
+    if let Some(sd) = coverage.mean_sd {
+        let _ = writeln!(text, "sure to    {sd:.3} in the mean, where that is known");
+    }
     let [from, to] = field.pose_span_secs;
     let _ = writeln!(text, "head       {} poses, {from:.3} to {to:.3} s", manifest.pose.n_poses);
     for layer in &field.layers {
         let _ = writeln!(text, "layer      {layer}");
     }
     for channel in &field.channels {
-        let _ = writeln!(text, "channel    {:<14} {:>6} messages", channel.topic, channel.n_messages);
+        let kilobytes = channel.n_bytes as f64 / 1e3;
+        let (topic, n) = (&channel.topic, channel.n_messages);
+        let _ = writeln!(text, "channel    {topic:<14} {n:>6} messages, {kilobytes:>10.1} kB unpacked");
     }
     for (name, n_bytes) in &field.attachments {
         let _ = writeln!(text, "attached   {name} ({n_bytes} bytes)");
@@ -116,4 +124,14 @@ fn groom_table(groom: &GroomSummary) -> String {
         let _ = writeln!(text, "warning    {warning}");
     }
     text
+}
+
+/// How the vectors are packed, and what that loses.
+fn packing(encoding: &EncodingInfo) -> String {
+    let (absolute, relative) = (encoding.max_absolute_error, encoding.max_relative_error);
+    match encoding.kind {
+        EncodingName::F32 => "f32, nothing lost".to_owned(),
+        EncodingName::F16 => format!("f16, at most {:.2} % off", 100.0 * relative),
+        EncodingName::Fixed => format!("fixed, at most {absolute} off"),
+    }
 }
