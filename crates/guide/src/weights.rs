@@ -5,12 +5,14 @@ use rayon::prelude::*;
 use crate::alike::{Place, squared_distance};
 use crate::guides::Follower;
 
-/// Guides that a strand follows at most. More make motion smoother from strand to strand and flatter.
-const N_FOLLOWED: usize = 4;
+/// Guides that a strand follows at most. With 4 the followers of 500 guides among 10,000 strands in a gust are 5 %
+/// farther off than with 8, with 2 they are 17 %; following takes time in proportion.
+const N_FOLLOWED: usize = 8;
 
 /// The least weight of the nearest guide. Above one half, the mean of the directions that guides give a stick can
 /// never be nothing, whatever they do: the others together cannot undo the nearest. So a stick between guides that
-/// swing apart turns fast at worst, by 1 / (2 · 0.55 − 1) = 10 times what they turn, and never flips.
+/// swing apart turns fast at worst, by 1 / (2 · 0.55 − 1) = 10 times what they turn, and never flips. It costs 1 % of
+/// the error.
 pub(crate) const NEAREST_SHARE: f64 = 0.55;
 
 /// Whom each strand follows. `guides` are indices of strands, rising.
@@ -82,9 +84,9 @@ mod tests {
         check(&[1.0, 2.0], &[0.8, 0.2]);
         // Equally near: the first gets its least share.
         check(&[1.0, 1.0], &[0.55, 0.45]);
-        // (1 - 1/4)² = 9/16 and ((1 - 1/2)/2)² = 1/16; the fourth and fifth are at the rim.
-        check(&[1.0, 2.0, 4.0, 4.0, 4.0], &[0.9, 0.1]);
+        // (1 - 1/4)² = 9/16 and ((1 - 1/2)/2)² = 1/16; the others are at the rim.
+        check(&[1.0, 2.0, 4.0, 4.0, 4.0, 4.0, 4.0, 4.0, 4.0], &[0.9, 0.1]);
         // All at the rim.
-        check(&[1.0; 5], &[1.0]);
+        check(&[1.0; 9], &[1.0]);
     }
 }
