@@ -14,6 +14,10 @@
 //! | USD text (`.usda`) with `BasisCurves` | both | transforms resolved, references and variants not |
 //! | Alembic (`.abc`, Ogawa) with curves | neither | transforms resolved |
 //!
+//! A property may be missing (`defaults` says what stands for it), one number a strand, or in JSON a list of one for
+//! each point, whose mean is taken as that of drawn widths by the point is. USD gives them as primvars of the same
+//! names, `constant` or `uniform`.
+//!
 //! ```
 //! let json = br#"{"note": "any text", "strands": [
 //!     {"name": "B01", "length_m": 0.11, "linear_density_kg_per_m": 0.0012, "lock_width_m": 0.0044,

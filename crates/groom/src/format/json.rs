@@ -2,6 +2,8 @@
 //!
 //! Head space, m, root first. Only `rest_curve_m` must be there; the crate's documentation has an example.
 
+mod values;
+
 use std::collections::BTreeSet;
 use std::fmt;
 
@@ -12,6 +14,7 @@ use tousle_core::{UpAxis, Vec3};
 use super::GroomFormat;
 use crate::error::GroomReadError;
 use crate::raw::{RawGroom, RawStrand};
+use values::Values;
 
 pub(super) fn read(text: &[u8]) -> Result<RawGroom, GroomReadError> {
     let file: File = serde_json::from_slice(text).map_err(|error| describe(text, &error))?;
@@ -35,6 +38,11 @@ pub(super) fn read(text: &[u8]) -> Result<RawGroom, GroomReadError> {
             let unknown: Vec<&str> = unknown.into_iter().collect();
             warnings.push(format!("fields of {what} that mean nothing here: {}", unknown.join(", ")));
         }
+    }
+    let n_along = file.strands.iter().filter(|s| s.is_along).count();
+    if n_along > 0 {
+        warnings
+            .push(format!("{n_along} strands give a property by the point: its mean stands for the strand"));
     }
     Ok(RawGroom {
         unit_m: Some(1.0),
@@ -80,6 +88,8 @@ struct File {
 struct Strand {
     raw: RawStrand,
     unknown: Vec<String>,
+    /// Whether a property is given by the point.
+    is_along: bool,
 }
 
 impl<'de> Deserialize<'de> for File {
@@ -133,14 +143,15 @@ impl<'de> Visitor<'de> for StrandVisitor {
         let mut strand = Strand::default();
         let raw = &mut strand.raw;
         let mut points: Option<Vec<[f64; 3]>> = None;
+        let (mut width, mut density): (Option<Values>, Option<Values>) = (None, None);
         while let Some(key) = map.next_key::<String>()? {
             match key.as_str() {
                 "name" => set(&mut raw.name, "name", map.next_value()?)?,
                 "rest_curve_m" => set(&mut points, "rest_curve_m", map.next_value()?)?,
                 "length_m" => set(&mut raw.length, "length_m", map.next_value()?)?,
-                "lock_width_m" => set(&mut raw.lock_width_m, "lock_width_m", map.next_value()?)?,
+                "lock_width_m" => set(&mut width, "lock_width_m", map.next_value()?)?,
                 "linear_density_kg_per_m" => {
-                    set(&mut raw.linear_density_kg_per_m, "linear_density_kg_per_m", map.next_value()?)?;
+                    set(&mut density, "linear_density_kg_per_m", map.next_value()?)?;
                 }
                 "bending_stiffness_N_m2" => {
                     set(&mut raw.bending_stiffness_n_m2, "bending_stiffness_N_m2", map.next_value()?)?;
@@ -156,6 +167,16 @@ impl<'de> Visitor<'de> for StrandVisitor {
         }
         let points = points.ok_or_else(|| A::Error::missing_field("rest_curve_m"))?;
         raw.points = points.into_iter().map(Vec3::from).collect();
+        for n in [width, density].into_iter().flatten().filter_map(|v| v.n) {
+            strand.is_along = true;
+            if n != raw.points.len() {
+                let found =
+                    format!("found a list of {n}, expected one for each of {} points", raw.points.len());
+                return Err(A::Error::custom(found));
+            }
+        }
+        raw.lock_width_m = width.map(|v| v.mean);
+        raw.linear_density_kg_per_m = density.map(|v| v.mean);
         Ok(strand)
     }
 }
@@ -196,6 +217,26 @@ mod tests {
                 "fields of strands that mean nothing here: color, lock_widht_m"
             ]
         );
+    }
+
+    #[test]
+    fn properties_by_the_point() {
+        let strand = |fields: &str| {
+            read(format!("{{\"strands\": [{{{fields}, \"rest_curve_m\": [[0,0,0],[0,0,1]]}}]}}").as_bytes())
+        };
+        let raw = strand("\"lock_width_m\": [0.004, 0.002], \"linear_density_kg_per_m\": 1").unwrap();
+        assert_eq!(raw.strands[0].lock_width_m, Some(0.003));
+        assert_eq!(raw.strands[0].linear_density_kg_per_m, Some(1.0));
+        assert_eq!(raw.warnings, ["1 strands give a property by the point: its mean stands for the strand"]);
+        for (fields, says) in [
+            ("\"lock_width_m\": [1, 2, 3]", "found a list of 3, expected one for each of 2 points"),
+            ("\"lock_width_m\": []", "a list of one for each point"),
+            ("\"lock_width_m\": [1, -2]", "found -2 in a list, expected numbers above 0"),
+            ("\"lock_width_m\": \"1\"", "expected a number, or a list of one for each point"),
+        ] {
+            let error = strand(fields).unwrap_err().to_string();
+            assert!(error.contains(says), "{says}: {error}");
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! Source: `UsdGeomBasisCurves` for the meaning of curves.
 
 mod curves;
+mod properties;
 
 use nalgebra::Matrix4;
 use tousle_usda::{Prim, Specifier, UsdaError};
@@ -41,7 +42,10 @@ fn visit(
     let local = tousle_usda::local(prim, &path, None)?;
     let world_from_prim = if local.resets { local.matrix } else { world_from_parent * local.matrix };
     if prim.type_name == "BasisCurves" {
+        let first = curves.raw.strands.len();
         curves.take(&curves::control(prim, &path)?, &world_from_prim)?;
+        let RawGroom { strands, warnings, .. } = &mut curves.raw;
+        properties::apply(prim, &path, &mut strands[first..], warnings);
     }
     prim.children.iter().try_for_each(|child| visit(child, &path, &world_from_prim, curves))
 }
