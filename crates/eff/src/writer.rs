@@ -15,7 +15,7 @@ use mcap::write::NoSeek;
 use prost::Message as _;
 use serde::Serialize;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use tousle_core::{Pose, Progress, WindSample};
 use tousle_field::{Field, GridSpec};
@@ -105,6 +105,7 @@ pub struct Writer<W: Write> {
     preview: Option<Preview>,
     /// Messages written so far, by channel.
     counts: BTreeMap<u16, u64>,
+    attachment_names: BTreeSet<String>,
     /// Bytes of messages in the chunk that is open.
     n_open: usize,
     report: WriteReport,
@@ -169,6 +170,7 @@ impl<W: Write> Writer<W> {
             preview,
             manifest,
             counts: BTreeMap::new(),
+            attachment_names: BTreeSet::new(),
             n_open: 0,
             report: WriteReport::default(),
         };
@@ -327,8 +329,12 @@ impl<W: Write> Writer<W> {
     /// Writes a file into the file.
     ///
     /// # Errors
-    /// [`EffError`] if the stream fails.
+    /// [`EffError`] if the stream fails or there is one of this name.
     pub fn attachment(&mut self, attachment: &Attachment) -> Result<(), EffError> {
+        if !self.attachment_names.insert(attachment.name.clone()) {
+            let found = format!("{:?} again", attachment.name);
+            return Err(EffError::bad("attachment.name", found, "each name once"));
+        }
         self.close_chunk()?;
         self.mcap().attach(&mcap::Attachment {
             log_time: 0,

@@ -87,6 +87,24 @@ fn every_bad_file_gives_the_finding_it_must_give() {
     assert!(n >= 60, "{n}");
 }
 
+/// Whatever is wrong with a file, what is saved of it is not.
+#[test]
+fn what_is_recovered_of_bad_files_is_sound() {
+    let mut n = 0;
+    for kind in ["v1/bad", "v0/bad"] {
+        for name in files(kind) {
+            let (bytes, _) = load(kind, &name);
+            let mut out = Vec::new();
+            if recover(Cursor::new(bytes), &mut out, &NoProgress).is_ok() {
+                n += 1;
+                let validation = validate(&out[..]).unwrap();
+                assert!(validation.is_sound, "{name}: {:#?}", validation.findings);
+            }
+        }
+    }
+    assert!(n >= 40, "{n}");
+}
+
 #[test]
 fn every_good_file_is_sound_and_holds_what_its_twin_says() {
     for (kind, cases) in [("v1/good", good::cases()), ("v0/good", good::old::cases())] {

@@ -3,8 +3,11 @@
 #![allow(clippy::unwrap_used)]
 
 mod arbitrary;
+mod forge;
 
 use arbitrary::small;
+use forge::{EDITS, FIELD, MANIFEST, POSE, Pieces, SAMPLES, pieces, set};
+use protox::prost_reflect::Value;
 use std::io::Cursor;
 use tousle_core::NoProgress;
 use tousle_eff::{Eff, Encoding, ReadOptions, Recovery, WriteOptions, read, recover, validate, write};
@@ -146,6 +149,52 @@ fn without_a_manifest_nothing_can_be_saved() {
     assert!(error.starts_with("missing: manifest: found none (the chunk at byte"), "{error}");
     for bytes in [&b""[..], b"\x89MCAP0\r\n", b"nothing like it, and a little longer"] {
         assert!(recover(Cursor::new(bytes), Vec::new(), &NoProgress).is_err());
+    }
+}
+
+/// Puts a message there twice and changes the second.
+fn twice(pieces: &mut Pieces, channel_id: u16, k: usize) {
+    let again = pieces.message(channel_id, k).clone();
+    let chunk = pieces.chunks.iter_mut().find(|chunk| chunk.contains(&again)).unwrap();
+    let at = chunk.iter().position(|piece| *piece == again).unwrap();
+    chunk.insert(at + 1, again);
+    match channel_id {
+        MANIFEST | EDITS => {
+            let text = String::from_utf8(pieces.message(channel_id, k + 1).payload.clone()).unwrap();
+            let other = text.replace("small", "other").replace("\"muted\":false", "\"muted\":true");
+            assert_ne!(other, text);
+            pieces.message(channel_id, k + 1).payload = other.into_bytes();
+        }
+        POSE => pieces.proto(POSE, k + 1, |m| set(m, "translation_m.x", Value::F64(9.0))),
+        SAMPLES => pieces.proto(SAMPLES, k + 1, |m| forge::put_float(m, "value", 0, 9.0)),
+        _ => pieces.proto(FIELD, k + 1, |m| set(m, "outside.x", Value::F64(9.0))),
+    }
+}
+
+/// What makes a file another one.
+type Change = fn(&mut Pieces);
+
+/// Whoever wrote such a file meant one of the two, and the first is the one that readers come to first.
+#[test]
+fn of_what_is_there_twice_the_first_is_kept_and_the_other_named() {
+    let whole = small_file(&WriteOptions::default());
+    let attachment: Change =
+        |p| p.attachments.push(("session.json".into(), "text/plain".into(), b"other".to_vec()));
+    let cases: [(Change, &str); 6] = [
+        (attachment, "attachment.name: found \"session.json\""),
+        (|p| twice(p, MANIFEST, 0), "message: found a second one"),
+        (|p| twice(p, EDITS, 0), "message: found a second one"),
+        (|p| twice(p, POSE, 2), "index: found 2 again"),
+        (|p| twice(p, SAMPLES, 2), "index: found 2 again"),
+        (|p| twice(p, FIELD, 2), "index: found 2 again"),
+    ];
+    for (change, why) in cases {
+        let mut forged = pieces(&whole);
+        change(&mut forged);
+        let (recovery, out) = saved(&forged.forge()).unwrap();
+        assert_eq!(recovery.losses.len(), 1, "{why} {:?}", recovery.losses);
+        assert!(recovery.losses[0].why.contains(why), "{why} {:?}", recovery.losses);
+        assert_eq!(content(&out), small(), "{why}");
     }
 }
 

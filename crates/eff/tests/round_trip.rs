@@ -96,6 +96,10 @@ fn what_a_file_cannot_hold_is_refused_before_it_is_written() {
         refused(&|eff| eff.field.layers[0].handles[0].extra.x = f64::INFINITY),
         "layers: found inf, expected a finite number"
     );
+    assert_eq!(
+        refused(&|eff| eff.attachments.push(eff.attachments[0].clone())),
+        "attachment.name: found \"session.json\" again, expected each name once"
+    );
 }
 
 #[test]

@@ -4,11 +4,12 @@ use crate::format::{Stream, topic};
 use crate::manifest::Manifest;
 use crate::record::{self, Message, PREFIX, Record, op};
 use crate::scan::chunk::{InChunk, records_in, unpack};
-use crate::scan::data::Data;
+use crate::scan::data::{Data, named_again};
 use crate::scan::source::{Next, Source};
 use crate::scan::{Findings, Listener, at};
 use crate::wire::edits::Edits;
 use crate::{Attachment, Code, EffError, Finding, check, decode};
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Seek, SeekFrom};
 use tousle_core::Pose;
@@ -22,7 +23,7 @@ pub(super) struct Place {
     pub within: u64,
 }
 
-/// Everything that is whole in a file.
+/// Everything that is whole in a file. Of what can be there only once, it is the first.
 #[derive(Default)]
 pub(super) struct Inventory {
     pub manifest: Option<Manifest>,
@@ -32,6 +33,7 @@ pub(super) struct Inventory {
     pub steps: BTreeMap<u64, Place>,
     /// Where the attachments are.
     pub attachments: Vec<u64>,
+    attachment_names: BTreeSet<String>,
     pub losses: Vec<Loss>,
 }
 
@@ -44,10 +46,7 @@ impl Inventory {
         for (offset, opcode) in inventory.records(input)? {
             match opcode {
                 op::CHUNK => inventory.chunk(input, offset, &mut data)?,
-                op::ATTACHMENT => match attachment_at(input, offset) {
-                    Ok(_) => inventory.attachments.push(offset),
-                    Err(error) => inventory.lose(format!("the attachment at byte {offset}"), error)?,
-                },
+                op::ATTACHMENT => inventory.attachment(input, offset)?,
                 _ => {}
             }
         }
@@ -124,14 +123,29 @@ impl Inventory {
         Ok(())
     }
 
-    /// Keeps a message if it is sound.
+    /// Keeps an attachment if it is sound and the first of its name.
+    fn attachment<R: Read + Seek>(&mut self, input: &mut R, offset: u64) -> Result<(), EffError> {
+        let first_of_name = attachment_at(input, offset).and_then(|Attachment { name, .. }| {
+            let again = self.attachment_names.contains(&name).then(|| named_again(&name, at(offset)));
+            again.map_or(Ok(name), |finding| Err(finding.into()))
+        });
+        match first_of_name {
+            Ok(name) => {
+                self.attachment_names.insert(name);
+                self.attachments.push(offset);
+                Ok(())
+            }
+            Err(error) => self.lose(format!("the attachment at byte {offset}"), error),
+        }
+    }
+
+    /// Keeps a message if it is sound and the first of its kind and index.
     fn message(&mut self, stream: &Stream, message: Message<'_>, place: Place) -> Result<(), Box<Finding>> {
         let at = At { channel: None, time_ns: Some(message.log_time), offset: Some(place.chunk) };
         if stream.topic == topic::MANIFEST {
             let manifest = decode::manifest(message.data, stream.version, at).map_err(first)?;
             sound(|findings| check::manifest(&manifest, at, findings))?;
-            self.manifest.get_or_insert(manifest);
-            return Ok(());
+            return keep_only(&mut self.manifest, manifest, at);
         }
         let Some(manifest) = &self.manifest else {
             return Err(at.finding(Code::Missing, "message", "no manifest before it", "a sound manifest"));
@@ -143,28 +157,27 @@ impl Inventory {
             topic::EDITS => {
                 let edits = decode::edits(message.data, at).map_err(first)?;
                 sound(|findings| check::edits(&edits, at, findings))?;
-                self.edits.get_or_insert(edits);
+                keep_only(&mut self.edits, edits, at)
             }
             topic::POSE => {
                 let (stamp, pose) = decode::pose(message.data, manifest, at)?;
                 let secs = manifest.pose.pose_secs(stamp.index);
                 sound(|f| check::stamp(stamp, stamp.index, secs, message.log_time, at, f))?;
-                self.poses.insert(stamp.index, pose);
+                keep_first(&mut self.poses, stamp.index, pose, at)
             }
             topic::SAMPLES => {
                 let (stamp, _) = decode::samples(message.data, at)?;
                 let secs = manifest.samples.map_or(f64::NAN, |s| s.step_secs(stamp.index));
                 sound(|f| check::stamp(stamp, stamp.index, secs, message.log_time, at, f))?;
-                self.samples.insert(stamp.index, place);
+                keep_first(&mut self.samples, stamp.index, place, at)
             }
             _ => {
                 let (stamp, _) = decode::step(message.data, manifest, at).map_err(first)?;
                 let secs = manifest.field.step_secs(stamp.index);
                 sound(|f| check::stamp(stamp, stamp.index, secs, message.log_time, at, f))?;
-                self.steps.insert(stamp.index, place);
+                keep_first(&mut self.steps, stamp.index, place, at)
             }
         }
-        Ok(())
     }
 
     /// Compares what was found with what the manifest announces.
@@ -199,6 +212,28 @@ impl Inventory {
 struct Deaf;
 
 impl Listener for Deaf {}
+
+/// Keeps what can be in a file once, unless it is there already.
+fn keep_only<T>(kept: &mut Option<T>, new: T, at: At<'_>) -> Result<(), Box<Finding>> {
+    if kept.is_some() {
+        return Err(at.finding(Code::Missing, "message", "a second one", "one"));
+    }
+    *kept = Some(new);
+    Ok(())
+}
+
+/// Keeps what can be at an index once, unless something is there already.
+fn keep_first<T>(kept: &mut BTreeMap<u64, T>, index: u64, new: T, at: At<'_>) -> Result<(), Box<Finding>> {
+    match kept.entry(index) {
+        Entry::Vacant(free) => {
+            free.insert(new);
+            Ok(())
+        }
+        Entry::Occupied(_) => {
+            Err(at.finding(Code::Order, "index", format!("{index} again"), "each index once"))
+        }
+    }
+}
 
 /// The first error that a check finds.
 fn sound(check: impl FnOnce(&mut Findings)) -> Result<(), Box<Finding>> {

@@ -6,7 +6,7 @@ use crate::format::{PROFILE, Stream, streams, topic};
 use crate::preview::{self, PREVIEWS};
 use crate::record::{self, Attachment, Channel, Message, PREFIX, Record, Schema, Statistics};
 use crate::scan::Findings;
-use crate::{Code, EffError};
+use crate::{Code, EffError, Finding};
 use std::collections::BTreeMap;
 
 /// The data section: what its records say, and what the summary will have to say about them.
@@ -283,12 +283,7 @@ impl<'v> Data<'v> {
     fn attachment(&mut self, a: Attachment<'_>, offset: u64, length: u64, findings: &mut Findings) {
         check_crc(Code::AttachmentCrc, a.crc, a.computed_crc, at(offset), findings);
         if self.attachments.iter().any(|other| other.name == a.name) {
-            findings.push(at(offset).finding(
-                Code::DuplicateId,
-                "attachment.name",
-                quoted(a.name),
-                "each name once",
-            ));
+            findings.push(named_again(a.name, at(offset)));
         }
         self.attachments.push(AttachmentFacts {
             offset,
@@ -365,6 +360,11 @@ impl<'v> Data<'v> {
             findings.push(place.finding(Code::MessageIndex, "message indexes", "none", expected));
         }
     }
+}
+
+/// An attachment has the name of one before it.
+pub(crate) fn named_again(name: &str, place: Place<'_>) -> Box<Finding> {
+    place.finding(Code::DuplicateId, "attachment.name", quoted(name), "each name once")
 }
 
 /// Keeps a record of this id; whether another one was there.

@@ -25,7 +25,7 @@ pub struct Pieces {
 }
 
 /// A message.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
     pub channel_id: u16,
     pub sequence: u32,
