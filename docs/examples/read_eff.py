@@ -75,12 +75,12 @@ class Eff:
         return wind
 
     def in_step(self, k, point):
-        """Trilinear between voxel centers; the nearest ones hold at the rim; the wind outside beyond it."""
+        """Trilinear between voxel centers; the nearest ones hold at the rim; beyond it the wind outside comes in."""
         grid = self.manifest["field"]["grid"]
         step, dims = self.steps[k], np.array(grid["dims"])
         place = (np.array(point) - grid["origin_m"]) / grid["edge_m"]
-        if np.any(place < 0) or np.any(place >= dims):
-            return step.outside
+        beyond = np.linalg.norm(np.maximum(np.maximum(-place, place - dims), 0))
+        far = min(beyond / (0.5 * dims.min()), 1.0)
         place = np.clip(place - 0.5, 0, dims - 1)
         low = place.astype(int)
         share = place - low
@@ -89,7 +89,7 @@ class Eff:
             voxel = np.minimum(low + corner, dims - 1)
             weight = np.prod(np.where(corner, share, 1 - share))
             wind += weight * step.u[:, voxel[0], voxel[1], voxel[2]].astype(float)
-        return wind
+        return (1 - far) * wind + far * np.array(step.outside)
 
 
 def smooth(x):

@@ -87,6 +87,24 @@ impl GridSpec {
         (0..3).all(|a| point_m[a] >= self.origin_m[a] && point_m[a] < far[a])
     }
 
+    /// How much of the wind at a point, head space, m, is that outside the grid: 0 in the box, then growing with
+    /// the distance from it, 1 from half the box's shortest side on.
+    ///
+    /// Swirls do not end where a grid does, so what blows at its side is the best guess for what blows close by; a
+    /// jump would shake every strand that crosses it.
+    pub fn share_outside(&self, point_m: Vec3) -> f64 {
+        let far = self.far_corner_m();
+        let beyond = |axis: usize| {
+            let p = point_m[axis];
+            f64::max(self.origin_m[axis] - p, p - far[axis]).max(0.0)
+        };
+        let distance2: f64 = (0..3).map(|axis| beyond(axis) * beyond(axis)).sum();
+        let shortest = self.dims.iter().copied().min().unwrap_or(1) as f64 * self.edge_m;
+        // A NaN counts as far away.
+        let share = distance2.sqrt() / (0.5 * shortest);
+        if share < 1.0 { share } else { 1.0 }
+    }
+
     /// The voxel that holds a point, head space, m; `None` outside the box or for a NaN.
     pub fn voxel_at(&self, point_m: Vec3) -> Option<VoxelIndex> {
         self.contains(point_m).then(|| {

@@ -8,10 +8,12 @@
 
 mod grid;
 mod layer;
+mod sampler;
 mod scene;
 mod sequence;
 
 pub use grid::{GridError, GridSpec, MAX_VOXELS, VoxelIndex};
 pub use layer::{Ease, FieldLayer, Handle, LayerOrigin};
+pub use sampler::{Moment, Sampler};
 pub use scene::Scene;
 pub use sequence::{Field, FieldError, FieldSequence, FieldSlice, Stencil, VoxelFlag};

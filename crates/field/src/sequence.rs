@@ -117,13 +117,15 @@ impl Field {
         }
     }
 
-    /// The vector at a point, head space, m: trilinear between voxel centers; up to half a voxel beyond the
-    /// outermost centers the nearest one holds; outside the box, [`Field::outside`].
+    /// The vector at a point, head space, m: trilinear between voxel centers; beyond the outermost centers the
+    /// nearest one holds, and outside the box it passes into [`Field::outside`] ([`GridSpec::share_outside`]).
     pub fn sample(&self, grid: &GridSpec, point_m: Vec3) -> Vec3 {
-        if !grid.contains(point_m) {
+        let far = grid.share_outside(point_m);
+        if far >= 1.0 {
             return self.outside;
         }
-        self.gather(&Stencil::at(grid, point_m))
+        let near = self.gather(&Stencil::at(grid, point_m));
+        near + (self.outside - near) * far
     }
 
     /// The weighted sum of the vectors at a stencil's voxels.
@@ -259,7 +261,10 @@ impl FieldSequence {
                     return Err(FieldError::BadSize { step, what, found, expected });
                 }
             }
-            if let Some(at) = field.u.iter().position(|c| !c.is_finite()) {
+            // All first, in one quick pass; then where.
+            let all_finite = field.u.iter().fold(true, |all, c| all & c.is_finite());
+            let found = if all_finite { None } else { field.u.iter().position(|c| !c.is_finite()) };
+            if let Some(at) = found {
                 let voxel = Some(self.grid.unflat(at % n).0);
                 return Err(FieldError::NotFinite { step, voxel, found: f64::from(field.u[at]) });
             }
@@ -271,18 +276,26 @@ impl FieldSequence {
     }
 }
 
-impl FieldSlice<'_> {
+impl<'a> FieldSlice<'a> {
+    /// The steps around the time, and the share of the second.
+    pub(crate) fn steps(&self) -> (&'a Field, &'a Field, f64) {
+        (self.before, self.after, self.share)
+    }
+
     /// The vector at a point, head space, m, layers included.
     pub fn sample(&self, point_m: Vec3) -> Vec3 {
         let grid = &self.sequence.grid;
         // Both steps lie on the same grid: where the point is in it is found once.
-        let mut vector = if grid.contains(point_m) {
+        let far = grid.share_outside(point_m);
+        let mut vector = Vec3::zeros();
+        if far < 1.0 {
             let stencil = Stencil::at(grid, point_m);
             let before = self.before.gather(&stencil);
-            before + (self.after.gather(&stencil) - before) * self.share
-        } else {
-            self.outside()
-        };
+            vector = before + (self.after.gather(&stencil) - before) * self.share;
+        }
+        if far > 0.0 {
+            vector += (self.outside() - vector) * far;
+        }
         for layer in &self.sequence.layers {
             let presence = layer.presence(self.time_secs);
             if presence > 0.0 {
