@@ -16,30 +16,43 @@ pub struct Gap {
 /// surface; elsewhere its relative error is about half the distance over the radius of curvature (3 % at 5 mm
 /// from a head). In the middle of a shape, where no direction is nearest, one across it is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surface(Kind);
+pub struct Surface(SurfaceShape);
 
+/// What a [`Surface`] is made of, for those who ask for many points at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+pub enum SurfaceShape {
+    /// All points that a matrix takes onto the unit sphere.
     Ellipsoid {
+        /// The center, m.
         center_m: Vec3,
         /// Takes a point about the center to where the ellipsoid is the unit sphere.
         to_sphere: Matrix3<f64>,
+        /// The shortest half axis, m.
         shortest_half_axis_m: f64,
     },
+    /// All points at a distance from a line segment.
     Capsule {
+        /// One end of the segment, m.
         a_m: Vec3,
+        /// From there to the other end, m.
         axis: Vec3,
         /// 1 / |axis|², or 0 for a sphere.
         per_length2: f64,
+        /// The distance, m.
         radius_m: f64,
     },
 }
 
 impl Surface {
+    /// What it is made of.
+    pub fn shape(&self) -> SurfaceShape {
+        self.0
+    }
+
     /// The surface of a shape in its own space.
     pub fn new(shape: &Shape) -> Self {
         Self(match *shape {
-            Shape::Ellipsoid { center_m, half_axes_m } => Kind::Ellipsoid {
+            Shape::Ellipsoid { center_m, half_axes_m } => SurfaceShape::Ellipsoid {
                 center_m,
                 to_sphere: Matrix3::from_diagonal(&half_axes_m.map(|a| 1.0 / a)),
                 shortest_half_axis_m: half_axes_m.min(),
@@ -48,7 +61,7 @@ impl Surface {
                 let axis = b_m - a_m;
                 let length2 = axis.norm_squared();
                 let per_length2 = if length2 > 0.0 { 1.0 / length2 } else { 0.0 };
-                Kind::Capsule { a_m, axis, per_length2, radius_m }
+                SurfaceShape::Capsule { a_m, axis, per_length2, radius_m }
             }
         })
     }
@@ -65,12 +78,14 @@ impl Surface {
     /// The same surface carried along by a pose.
     pub fn moved(&self, pose: &Pose) -> Self {
         Self(match self.0 {
-            Kind::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => Kind::Ellipsoid {
-                center_m: (pose * nalgebra::Point3::from(center_m)).coords,
-                to_sphere: to_sphere * pose.rotation.inverse().to_rotation_matrix().matrix(),
-                shortest_half_axis_m,
-            },
-            Kind::Capsule { a_m, axis, per_length2, radius_m } => Kind::Capsule {
+            SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => {
+                SurfaceShape::Ellipsoid {
+                    center_m: (pose * nalgebra::Point3::from(center_m)).coords,
+                    to_sphere: to_sphere * pose.rotation.inverse().to_rotation_matrix().matrix(),
+                    shortest_half_axis_m,
+                }
+            }
+            SurfaceShape::Capsule { a_m, axis, per_length2, radius_m } => SurfaceShape::Capsule {
                 a_m: (pose * nalgebra::Point3::from(a_m)).coords,
                 axis: pose.rotation * axis,
                 per_length2,
@@ -89,7 +104,7 @@ impl Surface {
     #[inline]
     pub fn gap_within(&self, point_m: Vec3, limit_m: f64) -> Option<Gap> {
         let gap = match &self.0 {
-            Kind::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => {
+            SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => {
                 let scaled = to_sphere * (point_m - center_m);
                 let level2 = scaled.norm_squared();
                 // |∇f| is at most one over the shortest half axis.
@@ -105,7 +120,7 @@ impl Surface {
                 let slope = gradient.norm();
                 Gap { distance_m: (level - 1.0) / slope, normal: gradient / slope }
             }
-            Kind::Capsule { a_m, axis, per_length2, radius_m } => {
+            SurfaceShape::Capsule { a_m, axis, per_length2, radius_m } => {
                 let from_a = point_m - a_m;
                 let share = (from_a.dot(axis) * per_length2).clamp(0.0, 1.0);
                 let away = from_a - axis * share;

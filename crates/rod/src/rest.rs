@@ -4,10 +4,60 @@ use crate::nnls::nonnegative_least_squares;
 use nalgebra::{DMatrix, DVector};
 use tousle_core::{Body, Pose, Vec3};
 
+/// What a joint does against a turn of its stick about the stick itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Twist {
+    /// Nothing: the lock is free to roll, and the moment about a stick goes nowhere.
+    Free,
+    /// It holds the moment as it does across the stick: an elastic rod.
+    Held,
+}
+
+/// How near to a body hair comes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// A point at rest whose center line is this near to a surface may be borne by it, m.
+    pub within_m: f64,
+    /// How near a center line may come that is not borne at rest, m.
+    pub radius_m: f64,
+}
+
+impl Touch {
+    /// Judged by a lock's width alone.
+    pub fn by_width(lock: &Lock) -> Self {
+        Self { within_m: lock.width_m, radius_m: 0.5 * lock.width_m }
+    }
+
+    /// Judged by how near the locks of a hairstyle come to the body at rest: those that lie on it show how thick hair
+    /// is to a surface, whatever it is to the wind. `None` where no lock comes near, or where they lie inside.
+    ///
+    /// The radius is the gap that a twentieth of the locks that come near fall short of. A stick between two points
+    /// on a round body lies deeper in than they do, so a point may be borne from half a radius farther out.
+    pub fn by_rest(locks: &[Lock], body: &Body) -> Option<Self> {
+        let surfaces = Surface::of_body(body, &Pose::identity());
+        let mut nearest: Vec<f64> = locks.iter().filter_map(|lock| nearest_gap(lock, &surfaces)).collect();
+        nearest.sort_by(f64::total_cmp);
+        let radius_m = *nearest.get(nearest.len() / 20)?;
+        (radius_m > 0.0).then_some(Self { within_m: 1.5 * radius_m, radius_m })
+    }
+}
+
+/// The least gap of a lock's points that lie beyond its first stick and within a width of a surface.
+fn nearest_gap(lock: &Lock, surfaces: &[Surface]) -> Option<f64> {
+    let mut ends_m = vec![Vec3::zeros(); lock.n_sticks()];
+    lock.place(&lock.rest_directions, &mut ends_m);
+    let near = |end: &Vec3| {
+        let gaps = surfaces.iter().filter_map(|s| s.gap_within(*end, lock.width_m));
+        gaps.map(|gap| gap.distance_m).reduce(f64::min)
+    };
+    ends_m.iter().skip(1).filter_map(near).reduce(f64::min)
+}
+
 /// How a lock that hangs still carries its weight: what its joints hold and what the body bears.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rest {
-    /// Torque that the joint at the root's end of each stick holds at rest, N·m, head axes, across the stick.
+    /// Torque that the joint at the root's end of each stick holds at rest, N·m, head axes; across the
+    /// stick where twist is free.
     ///
     /// Against the joint's stiffness it is the turn by which the natural, force-free shape is bent the other way.
     pub torques: Vec<Vec3>,
@@ -37,21 +87,21 @@ const MAX_CANDIDATES: usize = 64;
 /// A rest curve alone does not say how much of the weight the hair holds by itself and how much lies on the
 /// head: any force of the body that pushes outwards is possible wherever hair touches it. Of all of them the
 /// one is taken that leaves the joints the least elastic energy, as if the hair had been laid down, not
-/// pressed. A point touches when its surface is within half a width of the collider's.
-pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body) -> Rest {
+/// pressed. A point may be borne where it is as near as `touch` says.
+pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body, twist: Twist, touch: Touch) -> Rest {
     let surfaces = Surface::of_body(body, &Pose::identity());
     let n = lock.n_sticks();
     let mut ends_m = vec![Vec3::zeros(); n];
     lock.place(&lock.rest_directions, &mut ends_m);
-    let candidates = candidates(lock, &ends_m, &surfaces);
+    let candidates = candidates(&ends_m, &surfaces, touch.within_m);
     let weight: Vec<Vec3> = lock.masses_kg.iter().map(|m| gravity * *m).collect();
-    let weight_torques = joint_torques(lock, &weight);
+    let weight_torques = joint_torques(lock, &weight, twist);
     let unit_torques: Vec<Vec<Vec3>> = candidates
         .iter()
         .map(|c| {
             let mut push = vec![Vec3::zeros(); n];
             push[c.stick] = c.normal;
-            joint_torques(lock, &push)
+            joint_torques(lock, &push, twist)
         })
         .collect();
     let forces = bearing_forces(lock, &weight_torques, &unit_torques);
@@ -63,15 +113,15 @@ pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body) -> Rest {
             torques.iter_mut().zip(unit).for_each(|(sum, t)| *sum += t * force_n);
         }
     }
-    let clearances_m = clearances(lock, &ends_m, &surfaces, &bearings);
+    let clearances_m = clearances(&ends_m, &surfaces, &bearings, touch.radius_m);
     Rest { torques, bearings, clearances_m }
 }
 
-/// Torque that each joint must hold against a force on the end of every stick, across the stick it turns.
+/// Torque that each joint must hold against a force on the end of every stick.
 ///
 /// From the tip inwards: a stick's joint holds what its own pull on the lever asks and what the next joint
 /// passes on. The part along the stick is twist, which a lock that is free to roll does not hold.
-pub fn joint_torques(lock: &Lock, forces: &[Vec3]) -> Vec<Vec3> {
+pub fn joint_torques(lock: &Lock, forces: &[Vec3], twist: Twist) -> Vec<Vec3> {
     let mut torques = vec![Vec3::zeros(); lock.n_sticks()];
     let mut pull = Vec3::zeros();
     let mut passed_on = Vec3::zeros();
@@ -79,7 +129,10 @@ pub fn joint_torques(lock: &Lock, forces: &[Vec3]) -> Vec<Vec3> {
         let direction = lock.rest_directions[j];
         pull += forces[j];
         let torque = passed_on - direction.cross(&pull) * lock.lengths_m[j];
-        torques[j] = torque - direction * direction.dot(&torque);
+        torques[j] = match twist {
+            Twist::Free => torque - direction * direction.dot(&torque),
+            Twist::Held => torque,
+        };
         passed_on = torques[j];
     }
     torques
@@ -91,11 +144,11 @@ struct Candidate {
     normal: Vec3,
 }
 
-fn candidates(lock: &Lock, ends_m: &[Vec3], surfaces: &[Surface]) -> Vec<Candidate> {
+fn candidates(ends_m: &[Vec3], surfaces: &[Surface], within_m: f64) -> Vec<Candidate> {
     let mut found = Vec::new();
     for (collider, surface) in surfaces.iter().enumerate() {
         for (stick, end) in ends_m.iter().enumerate() {
-            if let Some(gap) = surface.gap_within(*end, lock.width_m) {
+            if let Some(gap) = surface.gap_within(*end, within_m) {
                 found.push(Candidate { collider, stick, normal: gap.normal });
             }
         }
@@ -121,14 +174,14 @@ fn bearing_forces(lock: &Lock, weight: &[Vec3], units: &[Vec<Vec3>]) -> Vec<f64>
 }
 
 /// A point may come as near as it lies at rest, or as the lock's own radius allows, whichever is nearer. The
-/// radius is half the width, or, where the body bears the lock, how near the bearing points lie.
-fn clearances(lock: &Lock, ends_m: &[Vec3], surfaces: &[Surface], bearings: &[Bearing]) -> Vec<f64> {
+/// radius is that of `touch`, or, where the body bears the lock, how near the bearing points lie.
+fn clearances(ends_m: &[Vec3], surfaces: &[Surface], bearings: &[Bearing], radius_m: f64) -> Vec<f64> {
     let gap_at = |collider: usize, stick: usize| surfaces[collider].gap(ends_m[stick]).distance_m;
     let radius = bearings
         .iter()
         .map(|b| gap_at(b.collider, b.stick))
         .reduce(f64::min)
-        .map_or(0.5 * lock.width_m, |nearest| nearest.max(0.0));
+        .map_or(radius_m, |nearest| nearest.max(0.0));
     (0..surfaces.len())
         .flat_map(|collider| (0..ends_m.len()).map(move |stick| (collider, stick)))
         .map(|(collider, stick)| {
@@ -151,7 +204,7 @@ mod tests {
     #[test]
     fn a_cantilever_holds_the_moment_of_its_weight() {
         let lock = Lock::new(&straight(Vec3::zeros(), Vec3::x(), 0.2, 4));
-        let rest = rest_state(&lock, DOWN, &Body::none());
+        let rest = rest_state(&lock, DOWN, &Body::none(), Twist::Free, Touch::by_width(&lock));
         // At the clamp: 1 g/m · 9.81 · 0.2²/2 about y. Half masses at the ends make it exact.
         let expected = 1e-3 * 9.81 * 0.2 * 0.2 / 2.0;
         assert!((rest.torques[0].norm() / expected - 1.0).abs() < 1e-12, "{}", rest.torques[0]);
@@ -170,7 +223,7 @@ mod tests {
             ..Body::none()
         };
         let lock = Lock::new(&straight(Vec3::zeros(), Vec3::x(), 0.2, 10));
-        let rest = rest_state(&lock, DOWN, &body);
+        let rest = rest_state(&lock, DOWN, &body, Twist::Free, Touch::by_width(&lock));
         let borne: f64 = rest.bearings.iter().map(|b| b.force_n).sum();
         let weight = lock.masses_kg.iter().sum::<f64>() * 9.81;
         assert!((borne / weight - 1.0).abs() < 1e-3, "{borne} of {weight}");
