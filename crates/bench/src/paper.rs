@@ -12,7 +12,7 @@ use std::path::Path;
 use tousle_core::Progress;
 use tousle_fit::{FitMethod, FitOptions, PaperOptions, PaperReading};
 use tousle_pipeline::{ConvertOptions, Input, Silent, convert};
-use tousle_sim::SimOptions;
+use tousle_sim::{Method, SimOptions};
 
 /// What is judged.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +35,7 @@ impl Default for PaperBenchOptions {
             captures: Vec::new(),
             readings: vec![PaperReading::FirstFrame, PaperReading::SlidingWindow, PaperReading::RestPose],
             convert: ConvertOptions::default(),
-            simulate: SimOptions::default(),
+            simulate: SimOptions::of(Method::Paper),
             true_wind: true,
         }
     }

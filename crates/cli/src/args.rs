@@ -308,15 +308,22 @@ pub struct SimulateArgs {
     /// Where the motion goes: .npz or .usda; may be given more than once.
     #[arg(short, long, required = true, value_name = "OUT.npz|OUT.usda")]
     pub output: Vec<PathBuf>,
-    /// Which equations move the hair.
-    #[arg(long, value_enum, default_value_t = MethodArg::Paper)]
-    pub method: MethodArg,
+    /// Which equations move the hair [default: physical, or paper for a field of the paper's forces].
+    #[arg(long, value_parser = parse_sim_method, value_name = "physical|paper")]
+    pub method: Option<tousle_sim::Method>,
     /// Frames of the result a second.
     #[arg(long, default_value_t = 60.0, value_name = "HZ")]
     pub rate_hz: f64,
-    /// How the equations are stepped through time.
-    #[arg(long, value_parser = parse_integrator, default_value = tousle_sim::Integrator::default().name(), value_name = "NAME")]
-    pub integrator: tousle_sim::Integrator,
+    /// How the equations are stepped through time: implicit, implicit-euler, adaptive, semi-implicit, rk4; with
+    /// --method paper: exponential, semi-implicit [default: the first].
+    #[arg(long, value_parser = parse_integrator, value_name = "NAME")]
+    pub integrator: Option<tousle_sim::Integrator>,
+    /// The most that a step of the integrator adaptive may be off, mm.
+    #[arg(long, default_value_t = 0.1, value_name = "MM")]
+    pub tolerance_mm: f64,
+    /// Compute in single precision: faster, for hair of usual proportions (method physical).
+    #[arg(long)]
+    pub single: bool,
     /// The longest step, s [default: the method's own].
     #[arg(long, value_name = "S")]
     pub dt_secs: Option<f64>,
@@ -495,6 +502,10 @@ fn parse_axis(name: &str) -> Result<tousle_groom::Axis, String> {
 
 fn parse_time(name: &str) -> Result<tousle_sim::TimeMode, String> {
     tousle_sim::TimeMode::from_name(name).ok_or_else(|| "expected once, loop or hold".to_owned())
+}
+
+fn parse_sim_method(name: &str) -> Result<tousle_sim::Method, String> {
+    tousle_sim::Method::from_name(name).ok_or_else(|| "expected physical or paper".to_owned())
 }
 
 fn parse_integrator(name: &str) -> Result<tousle_sim::Integrator, String> {

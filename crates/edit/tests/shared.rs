@@ -8,7 +8,7 @@ use tousle_edit::{
 };
 use tousle_field::{FieldSequence, Scene};
 use tousle_pipeline::{ConvertOptions, Input, Silent, convert};
-use tousle_sim::{SimOptions, simulate};
+use tousle_sim::{Method, SimOptions, simulate};
 
 fn capture(name: &str) -> Option<PathBuf> {
     let Some(shared) = std::env::var_os("TOUSLE_SHARED") else {
@@ -68,7 +68,7 @@ impl Shot {
 }
 
 fn simulated(field: &FieldSequence, scene: &Scene, groom: &Groom) -> StrandMotion {
-    simulate(field, scene, groom, &SimOptions::default(), &NoProgress).expect("a simulation").motion
+    simulate(field, scene, groom, &SimOptions::of(Method::Paper), &NoProgress).expect("a simulation").motion
 }
 
 #[test]

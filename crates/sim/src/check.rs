@@ -1,8 +1,22 @@
 //! What a scene must hold before it can be simulated.
 
-use crate::{SimError, SimOptions};
+use crate::{Integrator, SimError, SimOptions};
 use tousle_core::{PoseTrack, Shape};
 use tousle_field::Scene;
+
+/// Refuses an integrator that the method does not have, and a tolerance that is none.
+pub(crate) fn check_options(options: &SimOptions) -> Result<(), SimError> {
+    let (found, has) = (options.integrator(), Integrator::of(options.method));
+    if !has.contains(&found) {
+        let expected = has.iter().map(|i| i.name()).collect::<Vec<_>>().join(", ");
+        return Err(SimError::OtherMethod { method: options.method.name(), found: found.name(), expected });
+    }
+    if !(options.tolerance_m.is_finite() && options.tolerance_m > 0.0) {
+        let (option, found) = ("tolerance_m", options.tolerance_m);
+        return Err(SimError::BadOption { option, found, expected: "a number above 0" });
+    }
+    Ok(())
+}
 
 /// Refuses a scene, or a shot's head motion, that holds something that cannot be.
 pub(crate) fn check_scene(scene: &Scene, options: &SimOptions) -> Result<(), SimError> {

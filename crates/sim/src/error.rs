@@ -31,10 +31,21 @@ pub enum SimError {
         /// What it should be.
         expected: &'static str,
     },
+    /// The integrator belongs to another method.
+    #[error("method {method}: found the integrator {found}, expected {expected}")]
+    OtherMethod {
+        /// The method's name.
+        method: &'static str,
+        /// The integrator's name.
+        found: &'static str,
+        /// Those that the method has.
+        expected: String,
+    },
     /// The step is beyond the integrator's stability limit for this groom.
     #[error(
         "integrator {integrator}: found a step of {dt_secs} s, expected at most {limit_secs:.3e} s \
-         (its stability limit, set by strand {strand}, control point {point})"
+         (its stability limit, set by strand {strand}{})",
+        point.map(|p| format!(", control point {p}")).unwrap_or_default()
     )]
     Unstable {
         /// The integrator's name.
@@ -45,7 +56,7 @@ pub enum SimError {
         limit_secs: f64,
         /// The strand that sets the limit.
         strand: String,
-        /// The control point at the far end of its stiffest stick, from the root.
-        point: usize,
+        /// The control point at the far end of its stiffest stick, from the root, where one joint sets it.
+        point: Option<usize>,
     },
 }

@@ -1,32 +1,61 @@
+use crate::Method;
 use serde::Serialize;
 
-/// How E1 is stepped through time.
+/// How the equations are stepped through time.
 ///
-/// Both step the joints' rates half a step apart from their angles, so what joints do to one another is treated
-/// the same forwards and backwards in time and feeds no energy into a swing. Both are of order 1: the air's
-/// resistance and the contacts of a step see the rates of the step before.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+/// What each is for, its order and its limit depend on the method; see [`Integrator::of`] for those a method has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Integrator {
-    /// Semi-implicit Euler: new rates from the old angles, then new angles from the new rates. Resistance is
-    /// taken at the step's end, strength at its start: a step beyond 2 over a joint's frequency is refused.
+    /// Semi-implicit Euler: stiffness at the step's start, resistance at its end, places from the new rates. A step
+    /// beyond 2 over the fastest joint's frequency is refused.
     SemiImplicit,
-    /// The exact solution of each joint's equation over the step, with what the other joints do to it held. No
-    /// step is too long or too stiff for it.
-    #[default]
+    /// Method `paper` only: the exact solution of each joint's equation over the step, with what the other joints do
+    /// to it held. No step is too long or too stiff for it.
     Exponential,
+    /// Method `physical`: the backward differentiation formula of order 2 (BDF2), all joints, air and surfaces at the
+    /// step's end. No step is too long or too stiff for it.
+    Implicit,
+    /// Method `physical`: backward Euler. As [`Integrator::Implicit`], of order 1: it damps swings.
+    ImplicitEuler,
+    /// Method `physical`: BDF2 with steps chosen for each strand so that every step errs by less than a tolerance.
+    Adaptive,
+    /// Method `physical`, for comparison: the classical Runge-Kutta method of order 4. Everything explicit; steps
+    /// beyond what internal damping stands are refused.
+    Rk4,
 }
 
 impl Integrator {
     /// Every integrator.
-    pub const ALL: [Self; 2] = [Self::SemiImplicit, Self::Exponential];
+    pub const ALL: [Self; 6] = [
+        Self::SemiImplicit,
+        Self::Exponential,
+        Self::Implicit,
+        Self::ImplicitEuler,
+        Self::Adaptive,
+        Self::Rk4,
+    ];
+
+    /// Those that a method has, its default first.
+    pub fn of(method: Method) -> &'static [Self] {
+        match method {
+            Method::Paper => &[Self::Exponential, Self::SemiImplicit],
+            Method::Physical => {
+                &[Self::Implicit, Self::ImplicitEuler, Self::Adaptive, Self::SemiImplicit, Self::Rk4]
+            }
+        }
+    }
 
     /// The name used on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::SemiImplicit => "semi-implicit",
             Self::Exponential => "exponential",
+            Self::Implicit => "implicit",
+            Self::ImplicitEuler => "implicit-euler",
+            Self::Adaptive => "adaptive",
+            Self::Rk4 => "rk4",
         }
     }
 
@@ -37,14 +66,15 @@ impl Integrator {
 
     /// The order with which the error falls as the step shrinks.
     pub fn order(self) -> u32 {
-        1
+        match self {
+            Self::SemiImplicit | Self::Exponential | Self::ImplicitEuler => 1,
+            Self::Implicit | Self::Adaptive => 2,
+            Self::Rk4 => 4,
+        }
     }
 
     /// Whether a step can be too long for it.
     pub fn is_limited(self) -> bool {
-        match self {
-            Self::SemiImplicit => true,
-            Self::Exponential => false,
-        }
+        matches!(self, Self::SemiImplicit | Self::Rk4)
     }
 }

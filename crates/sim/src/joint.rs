@@ -28,7 +28,7 @@ impl JointStep {
     pub fn new(integrator: Integrator, joint: JointEquation, dt_secs: f64) -> Self {
         match integrator {
             Integrator::SemiImplicit => Self::semi_implicit(joint, dt_secs),
-            Integrator::Exponential => Self::exponential(joint, dt_secs),
+            _ => Self::exponential(joint, dt_secs),
         }
     }
 

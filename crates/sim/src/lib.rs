@@ -4,10 +4,13 @@
 
 mod check;
 mod error;
+mod frames;
 mod integrator;
 mod joint;
+mod lane;
 mod options;
 mod paper;
+mod physical;
 mod plan;
 mod report;
 mod run;
@@ -16,7 +19,7 @@ mod timeline;
 
 pub use error::SimError;
 pub use integrator::Integrator;
-pub use options::{Method, SimOptions, TimeMode};
+pub use options::{Method, Precision, SimOptions, TimeMode};
 pub use report::{PlanEntry, SimReport, Simulation};
 
 use tousle_core::{Groom, Progress};
@@ -42,5 +45,9 @@ pub fn simulate(
     field.check()?;
     groom.check()?;
     check::check_scene(scene, options)?;
-    run::run(field, scene, groom, options, progress)
+    check::check_options(options)?;
+    match options.method {
+        Method::Paper => run::run(field, scene, groom, options, progress),
+        Method::Physical => physical::run(field, scene, groom, options, progress),
+    }
 }

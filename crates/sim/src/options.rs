@@ -1,5 +1,5 @@
 use crate::Integrator;
-use tousle_core::PoseTrack;
+use tousle_core::{PoseTrack, Quantity};
 
 /// How to simulate.
 #[derive(Clone, Debug, PartialEq)]
@@ -8,11 +8,15 @@ pub struct SimOptions {
     pub method: Method,
     /// Frames of the result a second, > 0.
     pub rate_hz: f64,
-    /// How the equations are stepped through time.
-    pub integrator: Integrator,
+    /// How the equations are stepped through time. `None`: the method's default ([`Integrator::of`]).
+    pub integrator: Option<Integrator>,
     /// The longest step, s; a frame is cut into equal steps not longer than this. `None`:
     /// [`SimOptions::DEFAULT_DT_SECS`], or what the integrator stands if that is less.
     pub dt_secs: Option<f64>,
+    /// [`Integrator::Adaptive`]: the most that a step may be off at any point, m, > 0.
+    pub tolerance_m: f64,
+    /// Method `physical`: how many digits are computed with.
+    pub precision: Precision,
     /// What the wind and the head do outside the field's span.
     pub time: TimeMode,
     /// When the motion starts, s on the field's clock. `None`: at the field's first step.
@@ -29,8 +33,21 @@ pub struct SimOptions {
 #[non_exhaustive]
 pub enum Method {
     /// The Hair Object Model of Kazama, Sugisaki and Morishima (2008), E1 and E2.
-    #[default]
     Paper,
+    /// An inextensible elastic rod a strand, all joints solved at once.
+    #[default]
+    Physical,
+}
+
+/// How many digits the method `physical` computes with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// Double: for every hairstyle.
+    #[default]
+    Double,
+    /// Single: up to twice as fast, for hair of usual proportions. Sticks much shorter than 1 mm, or much stiffer than
+    /// their weight, want double.
+    Single,
 }
 
 /// What the wind and the head do outside the field's span.
@@ -50,15 +67,27 @@ impl SimOptions {
     /// from where an endlessly small step would put it, a tenth of what the model itself is off; half the step
     /// halves that and doubles the run time.
     pub const DEFAULT_DT_SECS: f64 = 1.0 / 120.0;
+
+    /// The defaults of a method.
+    pub fn of(method: Method) -> Self {
+        Self { method, ..Self::default() }
+    }
+
+    /// The integrator: the one asked for, or the method's default.
+    pub fn integrator(&self) -> Integrator {
+        self.integrator.unwrap_or(Integrator::of(self.method)[0])
+    }
 }
 
 impl Default for SimOptions {
     fn default() -> Self {
         Self {
-            method: Method::Paper,
+            method: Method::default(),
             rate_hz: 60.0,
-            integrator: Integrator::default(),
+            integrator: None,
             dt_secs: None,
+            tolerance_m: 1e-4,
+            precision: Precision::Double,
             time: TimeMode::Once,
             start_secs: None,
             duration_secs: None,
@@ -68,16 +97,25 @@ impl Default for SimOptions {
 }
 
 impl Method {
+    /// The method that a field's vectors were made for: forces per mass come from the paper's E3.
+    pub fn for_quantity(quantity: Quantity) -> Self {
+        match quantity {
+            Quantity::ForcePerMass => Self::Paper,
+            Quantity::AirVelocity => Self::Physical,
+        }
+    }
+
     /// The name used on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Paper => "paper",
+            Self::Physical => "physical",
         }
     }
 
     /// The method of a name that [`Method::name`] gives.
     pub fn from_name(name: &str) -> Option<Self> {
-        [Self::Paper].into_iter().find(|m| m.name() == name)
+        [Self::Paper, Self::Physical].into_iter().find(|m| m.name() == name)
     }
 }
 

@@ -22,8 +22,16 @@ pub struct SimReport {
     pub limit: String,
     /// The step that was taken, s.
     pub dt_secs: f64,
-    /// Steps that were taken.
+    /// Steps that were taken; with method `physical` of each batch of strands, added up.
     pub n_steps: u64,
+    /// Iterations that a step took on average.
+    pub iterations_per_step: f64,
+    /// Share of the steps in which nothing could move and nothing was done.
+    pub slept_share: f64,
+    /// Steps whose iteration did not settle.
+    pub unsettled_steps: u64,
+    /// The farthest that a point still moved when such a step ended, m.
+    pub unsettled_m: f64,
     /// Every term of E1 and E2: what runs, what was left out and why.
     pub plan: Vec<PlanEntry>,
     /// Largest change of a stick's length in any frame, as a share of it.

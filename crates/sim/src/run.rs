@@ -1,15 +1,16 @@
 //! The loop over steps and strands, and what is reported of it.
 
+use crate::frames::{max_stretch, single};
 use crate::paper::{PaperModel, PaperStrand, Touchable};
 use crate::plan::plan;
 use crate::stability::limit;
 use crate::timeline::{StepScene, Timeline};
-use crate::{Integrator, SimError, SimOptions, SimReport, Simulation};
+use crate::{SimError, SimOptions, SimReport, Simulation};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tousle_core::{Assumption, Attachment, Groom, Pose, Progress, StrandMotion, Vec3};
 use tousle_field::{FieldSequence, Scene};
-use tousle_rod::{DragLaw, Lock, Rest, Surface, rest_state};
+use tousle_rod::{DragLaw, Lock, Rest, Surface, Touch, Twist, rest_state};
 
 /// Steps that a strand runs before the next one's turn: enough to spread the cost of preparing what the world
 /// does, few enough that it is prepared in little memory and progress is seen.
@@ -35,7 +36,7 @@ pub(crate) fn run(
     let drag = DragLaw::in_air(scene.air_density);
     let limit = cut_into_steps(&mut timeline, field, groom, options, &drag)?;
     let model = PaperModel {
-        integrator: options.integrator,
+        integrator: options.integrator(),
         terms: timeline.terms,
         drag,
         friction: scene.body.friction,
@@ -43,14 +44,18 @@ pub(crate) fn run(
     let mut strands = prepare(scene, groom, &timeline);
     let n_reaching = n_reaching(scene, &strands);
     let plan = plan(field, scene, &timeline, &n_reaching);
-    let assumed = assumptions(groom, &timeline, &strands);
+    let assumed = assumptions(groom, &timeline, strands.iter().map(|s| s.deepest_m));
     let motion = move_strands(&mut strands, &model, &timeline, groom.counts(), progress);
     let report = SimReport {
-        integrator: options.integrator,
-        order: options.integrator.order(),
+        integrator: options.integrator(),
+        order: options.integrator().order(),
         limit,
         dt_secs: timeline.dt_secs(),
         n_steps: timeline.n_steps() as u64,
+        iterations_per_step: 1.0,
+        slept_share: 0.0,
+        unsettled_steps: 0,
+        unsettled_m: 0.0,
         plan,
         max_stretch: max_stretch(&motion),
         assumed,
@@ -66,7 +71,7 @@ fn cut_into_steps(
     options: &SimOptions,
     drag: &DragLaw,
 ) -> Result<String, SimError> {
-    let limit = if options.integrator.is_limited() { limit(field, groom, timeline, drag) } else { None };
+    let limit = if options.integrator().is_limited() { limit(field, groom, timeline, drag) } else { None };
     let Some(limit) = limit else {
         timeline.cut(options.dt_secs.unwrap_or(SimOptions::DEFAULT_DT_SECS))?;
         return Ok("none: no step is too long or too stiff".to_owned());
@@ -76,11 +81,11 @@ fn cut_into_steps(
     timeline.cut(options.dt_secs.unwrap_or(default_secs))?;
     if timeline.dt_secs() > limit.dt_secs {
         return Err(SimError::Unstable {
-            integrator: Integrator::name(options.integrator),
+            integrator: options.integrator().name(),
             dt_secs: timeline.dt_secs(),
             limit_secs: limit.dt_secs,
             strand: strand.clone(),
-            point: limit.point,
+            point: Some(limit.point),
         });
     }
     Ok(format!("{:.3e} s, set by strand {strand}, control point {}", limit.dt_secs, limit.point))
@@ -91,7 +96,7 @@ fn prepare<'a>(scene: &Scene, groom: &'a Groom, timeline: &Timeline<'_>) -> Vec<
     let surfaces = Surface::of_body(&scene.body, &Pose::identity());
     let prepare = |strand: &'a tousle_core::Strand| {
         let lock = Lock::new(strand);
-        let rest = rest_state(&lock, gravity, &scene.body);
+        let rest = rest_state(&lock, gravity, &scene.body, Twist::Free, Touch::by_width(&lock));
         let touchable = touchable(scene, timeline, &surfaces, &lock, &rest);
         let deepest_m = -rest.clearances_m.iter().copied().fold(0.0, f64::min);
         let strand_in_motion = PaperStrand::new(lock, &rest, &touchable);
@@ -101,7 +106,7 @@ fn prepare<'a>(scene: &Scene, groom: &'a Groom, timeline: &Timeline<'_>) -> Vec<
 }
 
 /// The colliders that a strand can reach. The torso's, once the head turns, may come to it.
-fn touchable(
+pub(crate) fn touchable(
     scene: &Scene,
     timeline: &Timeline<'_>,
     surfaces: &[Surface],
@@ -183,35 +188,12 @@ fn move_strand(
     frames
 }
 
-fn single(point: Vec3) -> [f32; 3] {
-    point.map(|c| c as f32).into()
-}
-
-/// The largest change of any stick's length, as a share of it, over all frames.
-fn max_stretch(motion: &StrandMotion) -> f64 {
-    let n_points = motion.n_points();
-    let lengths = |frame: &[[f32; 3]]| -> Vec<f64> {
-        let mut lengths = Vec::with_capacity(n_points);
-        let mut strand = frame;
-        for n in &motion.counts {
-            let (points, rest) = strand.split_at(*n);
-            let length =
-                |p: &[[f32; 3]]| (Vec3::from(p[1].map(f64::from)) - Vec3::from(p[0].map(f64::from))).norm();
-            lengths.extend(points.windows(2).map(length));
-            strand = rest;
-        }
-        lengths
-    };
-    let at_rest = lengths(&motion.positions_m[..n_points]);
-    let stretch = |frame: &[[f32; 3]]| {
-        let changes = lengths(frame).into_iter().zip(&at_rest).map(|(now, rest)| (now / rest - 1.0).abs());
-        changes.fold(0.0, f64::max)
-    };
-    motion.positions_m.par_chunks_exact(n_points).map(stretch).reduce(|| 0.0, f64::max)
-}
-
 /// What the groom's reader assumed, and what this run did.
-fn assumptions(groom: &Groom, timeline: &Timeline<'_>, strands: &[Prepared<'_>]) -> Vec<Assumption> {
+pub(crate) fn assumptions(
+    groom: &Groom,
+    timeline: &Timeline<'_>,
+    deepest_m: impl Iterator<Item = f64>,
+) -> Vec<Assumption> {
     let mut assumed = groom.assumed.clone();
     if timeline.has_shot_head() {
         assumed.push(Assumption {
@@ -229,9 +211,10 @@ fn assumptions(groom: &Groom, timeline: &Timeline<'_>, strands: &[Prepared<'_>])
                 .to_owned(),
         });
     }
-    let deepest_mm = strands.iter().map(|s| s.deepest_m * 1e3).fold(0.0, f64::max);
+    let inside: Vec<f64> = deepest_m.filter(|deepest| *deepest > 0.0).collect();
+    let deepest_mm = 1e3 * inside.iter().copied().fold(0.0, f64::max);
     if deepest_mm > 0.0 {
-        let n = strands.iter().filter(|s| s.deepest_m > 0.0).count();
+        let n = inside.len();
         assumed.push(Assumption {
             what: format!("collision of {n} strands"),
             value: format!("allowed as deep as they rest, up to {deepest_mm:.1} mm"),

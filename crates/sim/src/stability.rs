@@ -63,7 +63,7 @@ fn joint_limits(lock: &Lock, acceleration: f64, wind_per_length: f64) -> Vec<f64
 }
 
 /// The longest vector of a field, layers included.
-fn strongest_vector(field: &FieldSequence) -> f64 {
+pub(crate) fn strongest_vector(field: &FieldSequence) -> f64 {
     let step = |step: &tousle_field::Field| {
         (0..step.flags.len()).map(|voxel| step.vector(voxel).norm()).fold(step.outside.norm(), f64::max)
     };

@@ -184,17 +184,28 @@ impl<'a> Timeline<'a> {
         }
     }
 
-    fn torso_at(&self, secs: f64) -> Pose {
+    pub fn torso_at(&self, secs: f64) -> Pose {
         self.scene.body.head_from_torso(&self.head_at(secs).world_from_head, &self.head.torso_rest)
     }
 
-    fn head_at(&self, secs: f64) -> HeadMotion {
+    pub fn head_at(&self, secs: f64) -> HeadMotion {
         // The shot's own motion has its own end; the capture's is played again with the capture's wind.
         let wraps = self.time == TimeMode::Loop && !self.head.is_shot;
         self.head.poses.motion_at(if wraps { self.wrapped(secs) } else { secs })
     }
 
-    fn wind_secs(&self, secs: f64) -> Option<f64> {
+    /// Gravity, world axes, m/s².
+    pub fn gravity_world(&self) -> Vec3 {
+        self.scene.gravity_world
+    }
+
+    /// What hair can touch.
+    pub fn body(&self) -> &'a tousle_core::Body {
+        &self.scene.body
+    }
+
+    /// The time on the field's clock whose wind blows at a time; `None` where none does.
+    pub fn wind_secs(&self, secs: f64) -> Option<f64> {
         let blows = self.terms.wind && (self.time != TimeMode::Once || self.has_wind_at(secs));
         let secs = if self.time == TimeMode::Loop { self.wrapped(secs) } else { secs };
         blows.then_some(secs)

@@ -8,7 +8,7 @@ use common::{
 };
 use tousle_core::{Pose, PoseTrack, Quantity, Vec3};
 use tousle_field::Scene;
-use tousle_sim::Integrator;
+use tousle_sim::{Integrator, Method};
 
 /// In still air nothing moves: the natural shape balances the weight less what the body bears.
 #[test]
@@ -19,7 +19,7 @@ fn rest_is_rest() {
             Vec3::new(0.15 + 0.02 * cos, 0.02 * sin, 0.1 - 0.012 * f64::from(k))
         })
         .collect();
-    for integrator in Integrator::ALL {
+    for integrator in Integrator::of(Method::Paper).iter().copied() {
         let strands = vec![
             over_the_head(),
             common::strand(curl.clone()),

@@ -6,7 +6,7 @@ use common::{farthest, mannequin, options, over_the_head, run, still_air, straig
 use std::sync::Mutex;
 use tousle_core::{Pose, PoseTrack, Progress, Quantity, Vec3};
 use tousle_field::{Ease, FieldLayer, Handle, LayerOrigin};
-use tousle_sim::{Integrator, SimOptions, TimeMode, simulate};
+use tousle_sim::{Integrator, Method, SimOptions, TimeMode, simulate};
 
 fn gusts() -> tousle_field::FieldSequence {
     let gust = |k: i32| Vec3::new(-2.0, 3.0 * libm::sin(0.4 * f64::from(k)), 0.5);
@@ -29,7 +29,7 @@ fn many() -> Vec<tousle_core::Strand> {
 
 #[test]
 fn the_first_frame_is_the_rest_curve_and_the_last_is_the_fields_end() {
-    let motion = run(&gusts(), &mannequin(), many(), &SimOptions::default()).unwrap().motion;
+    let motion = run(&gusts(), &mannequin(), many(), &SimOptions::of(Method::Paper)).unwrap().motion;
     assert_eq!(motion.times_secs.len(), 61);
     assert!((motion.times_secs[60] - 1.0).abs() < 1e-12);
     assert_eq!(motion.positions_m.len(), 61 * motion.n_points());
@@ -45,7 +45,7 @@ fn any_number_of_threads_gives_the_same_bytes() {
     let bits = |n_threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
         let simulation =
-            pool.install(|| run(&gusts(), &mannequin(), many(), &SimOptions::default()).unwrap());
+            pool.install(|| run(&gusts(), &mannequin(), many(), &SimOptions::of(Method::Paper)).unwrap());
         let bits: Vec<u32> = simulation.motion.positions_m.iter().flatten().map(|c| c.to_bits()).collect();
         (bits, simulation.report)
     };
@@ -57,15 +57,16 @@ fn any_number_of_threads_gives_the_same_bytes() {
 /// A strand moves the same alone and among others.
 #[test]
 fn strands_do_not_know_of_one_another() {
-    let together = run(&gusts(), &mannequin(), many(), &SimOptions::default()).unwrap().motion;
-    let alone = run(&gusts(), &mannequin(), vec![many()[11].clone()], &SimOptions::default()).unwrap().motion;
+    let together = run(&gusts(), &mannequin(), many(), &SimOptions::of(Method::Paper)).unwrap().motion;
+    let alone =
+        run(&gusts(), &mannequin(), vec![many()[11].clone()], &SimOptions::of(Method::Paper)).unwrap().motion;
     assert_eq!(together.strand(47, 11), alone.frame(47));
 }
 
 #[test]
 fn once_loop_and_hold_differ_after_the_end_only() {
     let run_for = |time: TimeMode| {
-        let options = SimOptions { time, duration_secs: Some(3.0), ..SimOptions::default() };
+        let options = SimOptions { time, duration_secs: Some(3.0), ..SimOptions::of(Method::Paper) };
         run(&gusts(), &mannequin(), many(), &options).unwrap().motion
     };
     let [once, again, hold] = [TimeMode::Once, TimeMode::Loop, TimeMode::Hold].map(run_for);
@@ -88,7 +89,7 @@ fn a_shots_own_head_replaces_the_captures() {
         Pose::from_parts(Vec3::zeros().into(), turn)
     };
     let head = PoseTrack { start_secs: 0.0, rate_hz: 120.0, poses: (0..240).map(shake).collect() };
-    let options = SimOptions { head: Some(head), duration_secs: Some(1.5), ..SimOptions::default() };
+    let options = SimOptions { head: Some(head), duration_secs: Some(1.5), ..SimOptions::of(Method::Paper) };
     let simulation = run(&still_air(), &mannequin(), vec![many()[0].clone()], &options).unwrap();
     assert!(farthest(&simulation.motion) > 0.01);
     let entry = simulation.report.plan.iter().find(|entry| entry.term == "head movement").unwrap();
@@ -99,8 +100,9 @@ fn a_shots_own_head_replaces_the_captures() {
 /// The plan names every term of E2, and leaves out what the scene does not have.
 #[test]
 fn the_plan_says_what_runs_and_why_not() {
-    let report =
-        run(&still_air(), &mannequin(), vec![over_the_head()], &SimOptions::default()).unwrap().report;
+    let report = run(&still_air(), &mannequin(), vec![over_the_head()], &SimOptions::of(Method::Paper))
+        .unwrap()
+        .report;
     let active = |term: &str| report.plan.iter().find(|entry| entry.term == term).map(|entry| entry.active);
     assert_eq!(active("gravity"), Some(true));
     assert_eq!(active("wind"), Some(false));
@@ -115,7 +117,7 @@ fn the_plan_says_what_runs_and_why_not() {
 #[test]
 fn an_edit_layer_acts_in_its_span() {
     let mut field = gusts();
-    let plain = run(&field, &mannequin(), many(), &SimOptions::default()).unwrap().motion;
+    let plain = run(&field, &mannequin(), many(), &SimOptions::of(Method::Paper)).unwrap().motion;
     field.layers.push(FieldLayer {
         id: "1".into(),
         name: "lift".into(),
@@ -135,12 +137,12 @@ fn an_edit_layer_acts_in_its_span() {
             method: "paper".into(),
         },
     });
-    let edited = run(&field, &mannequin(), many(), &SimOptions::default()).unwrap().motion;
+    let edited = run(&field, &mannequin(), many(), &SimOptions::of(Method::Paper)).unwrap().motion;
     assert_eq!(plain.frame(30), edited.frame(30));
     let moved = (track(&plain, 5)[50] - track(&edited, 5)[50]).norm();
     assert!(moved > 1e-3, "{moved}");
     field.layers[0].muted = true;
-    assert_eq!(run(&field, &mannequin(), many(), &SimOptions::default()).unwrap().motion, plain);
+    assert_eq!(run(&field, &mannequin(), many(), &SimOptions::of(Method::Paper)).unwrap().motion, plain);
 }
 
 /// A force per mass acts on a strand as it is, whatever its width: a wind that pushes as hard does the same.
@@ -174,7 +176,7 @@ impl Progress for Watch {
 #[test]
 fn progress_ends_at_the_total() {
     let watch = Watch(Mutex::new(Vec::new()));
-    simulate(&gusts(), &mannequin(), &common::groom(many()), &SimOptions::default(), &watch).unwrap();
+    simulate(&gusts(), &mannequin(), &common::groom(many()), &SimOptions::of(Method::Paper), &watch).unwrap();
     let seen = watch.0.into_inner().unwrap();
     assert!(seen.len() > 10);
     assert!(seen.iter().any(|(done, total)| done == total));

@@ -11,7 +11,7 @@ use tousle_eff::{Eff, WriteOptions};
 use tousle_groom::GroomOptions;
 use tousle_page::{Compared, DemoPage, Figure, FileEntry, HairView, StageLine};
 use tousle_pipeline::{ConvertOptions, Converted, Input, Watch, write_whole};
-use tousle_sim::{SimOptions, Simulation};
+use tousle_sim::{Method, SimOptions, Simulation};
 
 const CAPTURE: &[u8] = include_bytes!("../../../../fixtures/demo/gusts.c3d");
 const SESSION: &[u8] = include_bytes!("../../../../fixtures/demo/session.json");
@@ -131,7 +131,8 @@ fn simulate(
     let command = "tousle simulate gusts.eff.mcap --groom bob.json -o bob.npz -o bob.usda --shape both";
     let simulated = log.stage("simulate", command, || {
         let stage = watch.stage("simulate");
-        let simulated = tousle_sim::simulate(&eff.field, &eff.scene, groom, &SimOptions::default(), &*stage)?;
+        let options = SimOptions::of(Method::for_quantity(eff.field.quantity));
+        let simulated = tousle_sim::simulate(&eff.field, &eff.scene, groom, &options, &*stage)?;
         let text = format!(
             "{} strands of another hairstyle, {} frames, integrator {}",
             groom.strands.len(),
@@ -166,9 +167,8 @@ fn edit(
             &EditOptions::default(),
         )?;
         let stage = watch.stage("simulate");
-        let after =
-            tousle_sim::simulate(&edited.sequence, &eff.scene, groom, &SimOptions::default(), &*stage)?
-                .motion;
+        let options = SimOptions::of(Method::for_quantity(edited.sequence.quantity));
+        let after = tousle_sim::simulate(&edited.sequence, &eff.scene, groom, &options, &*stage)?.motion;
         drop(stage);
         let effects = tousle_edit::measure(before, &after, groom, &edited.sequence.layers)?;
         let eff = Eff { field: edited.sequence, ..eff.clone() };

@@ -8,7 +8,7 @@ use tousle_core::{Groom, StrandMotion};
 use tousle_edit::{EditEffects, EditOptions, EditReport, Edited};
 use tousle_field::{FieldSequence, Scene};
 use tousle_pipeline::{Watch, read_file, write_whole};
-use tousle_sim::SimOptions;
+use tousle_sim::{Method, SimOptions};
 
 /// What the edits became, and what they did.
 #[derive(Serialize)]
@@ -61,7 +61,8 @@ fn simulated(
     watch: &dyn Watch,
 ) -> anyhow::Result<StrandMotion> {
     let stage = watch.stage("simulate");
-    Ok(tousle_sim::simulate(field, scene, groom, &SimOptions::default(), &*stage)?.motion)
+    let options = SimOptions::of(Method::for_quantity(field.quantity));
+    Ok(tousle_sim::simulate(field, scene, groom, &options, &*stage)?.motion)
 }
 
 fn summary(report: &Report) -> String {

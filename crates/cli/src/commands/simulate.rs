@@ -3,18 +3,18 @@ mod head;
 mod outputs;
 
 use super::{check_ending, ending, print_json, read_eff, read_groom};
-use crate::args::{MethodArg, ShapeArg, SimulateArgs};
+use crate::args::{ShapeArg, SimulateArgs};
 use crate::ui::Outcome;
 use anyhow::bail;
 use guided::Simulated;
 use outputs::Outputs;
 use std::io::{Seek, Write};
 use std::path::Path;
-use tousle_core::{Groom, StrandMotion};
+use tousle_core::{Groom, Quantity, StrandMotion};
 use tousle_export::{ExportError, HairGeometry, UsdOptions};
 use tousle_field::Scene;
 use tousle_pipeline::{Watch, write_whole};
-use tousle_sim::{Method, SimOptions};
+use tousle_sim::{Method, Precision, SimOptions};
 
 /// `tousle simulate`
 pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
@@ -26,7 +26,7 @@ pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     }
     let eff = read_eff(&args.field)?;
     let groom = read_groom(&args.groom, &args.groom_args, &eff.scene)?;
-    let mut options = options(args);
+    let mut options = options(args, eff.field.quantity);
     let mut assumed = Vec::new();
     if let Some(head) = head::read_head(args, &eff)? {
         options.head = Some(head.poses);
@@ -51,14 +51,14 @@ pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-fn options(args: &SimulateArgs) -> SimOptions {
-    let method = match args.method {
-        MethodArg::Paper => Method::Paper,
-    };
+fn options(args: &SimulateArgs, quantity: Quantity) -> SimOptions {
+    let method = args.method.unwrap_or(Method::for_quantity(quantity));
     SimOptions {
         method,
         rate_hz: args.rate_hz,
         integrator: args.integrator,
+        tolerance_m: args.tolerance_mm * 1e-3,
+        precision: if args.single { Precision::Single } else { Precision::Double },
         dt_secs: args.dt_secs,
         time: args.time,
         duration_secs: args.duration_secs,

@@ -7,7 +7,7 @@ use tousle_core::{
 };
 use tousle_field::{Field, FieldSequence, GridSpec, Scene, VoxelFlag};
 use tousle_rod::Surface;
-use tousle_sim::{Integrator, SimError, SimOptions, Simulation, simulate};
+use tousle_sim::{Integrator, Method, SimError, SimOptions, Simulation, simulate};
 
 pub const DOWN: Vec3 = Vec3::new(0.0, 0.0, -9.81);
 
@@ -122,11 +122,17 @@ pub fn run(
 
 pub fn options(integrator: Integrator, dt_secs: f64, duration_secs: f64) -> SimOptions {
     SimOptions {
-        integrator,
+        method: Method::Paper,
+        integrator: Some(integrator),
         dt_secs: Some(dt_secs),
         duration_secs: Some(duration_secs),
         ..SimOptions::default()
     }
+}
+
+/// The same with method `physical`.
+pub fn physical(integrator: Integrator, dt_secs: f64, duration_secs: f64) -> SimOptions {
+    SimOptions { method: Method::Physical, ..options(integrator, dt_secs, duration_secs) }
 }
 
 /// One control point over all frames.

@@ -1,0 +1,236 @@
+use super::{Lane, Vector};
+
+/// A symmetric 3 × 3 matrix for each of some strands.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Symmetric<L> {
+    pub xx: L,
+    pub xy: L,
+    pub xz: L,
+    pub yy: L,
+    pub yz: L,
+    pub zz: L,
+}
+
+/// A 3 × 3 matrix for each of some strands, by rows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Matrix<L> {
+    pub x: Vector<L>,
+    pub y: Vector<L>,
+    pub z: Vector<L>,
+}
+
+impl<L: Lane> Symmetric<L> {
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self::scaled_identity(L::zero())
+    }
+
+    #[inline(always)]
+    pub fn scaled_identity(s: L) -> Self {
+        let o = L::zero();
+        Self { xx: s, xy: o, xz: o, yy: s, yz: o, zz: s }
+    }
+
+    #[inline(always)]
+    pub fn add_identity(&mut self, s: L) {
+        self.xx += s;
+        self.yy += s;
+        self.zz += s;
+    }
+
+    /// Adds s v vᵀ.
+    #[inline(always)]
+    pub fn add_outer(&mut self, v: Vector<L>, s: L) {
+        let sv = v * s;
+        self.xx += sv.x * v.x;
+        self.xy += sv.x * v.y;
+        self.xz += sv.x * v.z;
+        self.yy += sv.y * v.y;
+        self.yz += sv.y * v.z;
+        self.zz += sv.z * v.z;
+    }
+
+    /// Adds s times another.
+    #[inline(always)]
+    pub fn add_scaled(&mut self, o: &Self, s: L) {
+        self.xx += o.xx * s;
+        self.xy += o.xy * s;
+        self.xz += o.xz * s;
+        self.yy += o.yy * s;
+        self.yz += o.yz * s;
+        self.zz += o.zz * s;
+    }
+
+    #[inline(always)]
+    pub fn mul_vector(&self, v: Vector<L>) -> Vector<L> {
+        Vector::new(
+            self.xx * v.x + self.xy * v.y + self.xz * v.z,
+            self.xy * v.x + self.yy * v.y + self.yz * v.z,
+            self.xz * v.x + self.yz * v.y + self.zz * v.z,
+        )
+    }
+
+    /// The inverse of a positive definite matrix, by cofactors.
+    #[inline(always)]
+    pub fn inverse(&self) -> Self {
+        let cxx = self.yy * self.zz - self.yz * self.yz;
+        let cxy = self.xz * self.yz - self.xy * self.zz;
+        let cxz = self.xy * self.yz - self.xz * self.yy;
+        let one_over = L::one() / (self.xx * cxx + self.xy * cxy + self.xz * cxz);
+        Self {
+            xx: cxx * one_over,
+            xy: cxy * one_over,
+            xz: cxz * one_over,
+            yy: (self.xx * self.zz - self.xz * self.xz) * one_over,
+            yz: (self.xy * self.xz - self.xx * self.yz) * one_over,
+            zz: (self.xx * self.yy - self.xy * self.xy) * one_over,
+        }
+    }
+
+    #[inline(always)]
+    pub fn to_matrix(self) -> Matrix<L> {
+        Matrix {
+            x: Vector::new(self.xx, self.xy, self.xz),
+            y: Vector::new(self.xy, self.yy, self.yz),
+            z: Vector::new(self.xz, self.yz, self.zz),
+        }
+    }
+}
+
+impl<L: Lane> Matrix<L> {
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self { x: Vector::zero(), y: Vector::zero(), z: Vector::zero() }
+    }
+
+    /// Rows times a vector.
+    #[inline(always)]
+    pub fn mul_vector(&self, v: Vector<L>) -> Vector<L> {
+        Vector::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
+    }
+
+    /// The transpose times a vector.
+    #[inline(always)]
+    pub fn transpose_mul(&self, v: Vector<L>) -> Vector<L> {
+        self.x * v.x + self.y * v.y + self.z * v.z
+    }
+
+    /// This times a symmetric matrix.
+    #[inline(always)]
+    pub fn mul_symmetric(&self, s: &Symmetric<L>) -> Self {
+        Self { x: s.mul_vector(self.x), y: s.mul_vector(self.y), z: s.mul_vector(self.z) }
+    }
+
+    /// This times the matrix of b ↦ b × d: each row r becomes d × r.
+    #[inline(always)]
+    pub fn mul_lever(&self, d: Vector<L>) -> Self {
+        Self { x: d.cross(self.x), y: d.cross(self.y), z: d.cross(self.z) }
+    }
+
+    /// The sum of two.
+    #[inline(always)]
+    pub fn add(&self, o: &Self) -> Self {
+        Self { x: self.x + o.x, y: self.y + o.y, z: self.z + o.z }
+    }
+
+    #[inline(always)]
+    pub fn scale(&self, s: L) -> Self {
+        Self { x: self.x * s, y: self.y * s, z: self.z * s }
+    }
+}
+
+impl<L: Lane> Symmetric<L> {
+    /// s times this times another, for two that commute: symmetric itself.
+    #[inline(always)]
+    pub fn times_commuting(&self, o: &Self, s: L) -> Self {
+        let x = o.mul_vector(Vector::new(self.xx, self.xy, self.xz)) * s;
+        let y = o.mul_vector(Vector::new(self.xy, self.yy, self.yz)) * s;
+        Self {
+            xx: x.x,
+            xy: x.y,
+            xz: x.z,
+            yy: y.y,
+            yz: y.z,
+            zz: s * (self.xz * o.xz + self.yz * o.yz + self.zz * o.zz),
+        }
+    }
+
+    /// Adds a matrix and its transpose.
+    #[inline(always)]
+    pub fn add_with_transpose(&mut self, m: &Matrix<L>) {
+        self.xx += m.x.x + m.x.x;
+        self.xy += m.x.y + m.y.x;
+        self.xz += m.x.z + m.z.x;
+        self.yy += m.y.y + m.y.y;
+        self.yz += m.y.z + m.z.y;
+        self.zz += m.z.z + m.z.z;
+    }
+
+    /// Takes off a bᵀ, for two whose product is symmetric.
+    #[inline(always)]
+    pub fn subtract_product(&mut self, a: &Matrix<L>, b: &Matrix<L>) {
+        self.xx -= a.x.dot(b.x);
+        self.xy -= a.x.dot(b.y);
+        self.xz -= a.x.dot(b.z);
+        self.yy -= a.y.dot(b.y);
+        self.yz -= a.y.dot(b.z);
+        self.zz -= a.z.dot(b.z);
+    }
+}
+
+impl<L: Lane> Matrix<L> {
+    /// The transposed matrix of b ↦ b × d times this: each column c becomes d × c.
+    #[inline(always)]
+    pub fn lever_mul(&self, d: Vector<L>) -> Self {
+        Self {
+            x: self.z * d.y - self.y * d.z,
+            y: self.x * d.z - self.z * d.x,
+            z: self.y * d.x - self.x * d.y,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lane::Wide4;
+    use nalgebra::Matrix3;
+    use tousle_core::Vec3;
+
+    fn lanes(m: &Matrix3<f64>) -> Matrix<Wide4> {
+        let row = |r: usize| Vector::splat(Vec3::new(m[(r, 0)], m[(r, 1)], m[(r, 2)]));
+        Matrix { x: row(0), y: row(1), z: row(2) }
+    }
+
+    fn single(m: &Matrix<Wide4>) -> Matrix3<f64> {
+        Matrix3::from_rows(&[m.x, m.y, m.z].map(|row| row.get(1).transpose()))
+    }
+
+    fn symmetric(m: &Matrix3<f64>) -> Symmetric<Wide4> {
+        let at = |r: usize, c: usize| Wide4::splat(m[(r, c)]);
+        Symmetric { xx: at(0, 0), xy: at(0, 1), xz: at(0, 2), yy: at(1, 1), yz: at(1, 2), zz: at(2, 2) }
+    }
+
+    #[test]
+    fn products_are_those_of_matrices() {
+        let m = Matrix3::new(1.0, 2.0, -1.0, 0.5, 3.0, 2.0, -2.0, 0.25, 1.5);
+        let d = Vec3::new(0.3, -0.7, 1.1);
+        // b × d = −[d]× b.
+        let lever = -d.cross_matrix();
+        let close = |a: Matrix3<f64>, b: Matrix3<f64>| assert!((a - b).norm() < 1e-12, "{a} {b}");
+        close(single(&lanes(&m).mul_lever(Vector::splat(d))), m * lever);
+        close(single(&lanes(&m).lever_mul(Vector::splat(d))), lever.transpose() * m);
+        let s = m * m.transpose() + Matrix3::identity();
+        close(single(&symmetric(&s).inverse().to_matrix()), s.try_inverse().unwrap());
+        close(single(&lanes(&m).mul_symmetric(&symmetric(&s))), m * s);
+        let inverse = s.try_inverse().unwrap();
+        let commuting = symmetric(&inverse).times_commuting(&symmetric(&s), Wide4::splat(2.0));
+        close(single(&commuting.to_matrix()), Matrix3::identity() * 2.0);
+        let mut sum = symmetric(&s);
+        sum.add_with_transpose(&lanes(&m));
+        close(single(&sum.to_matrix()), s + m + m.transpose());
+        let mut less = symmetric(&s);
+        less.subtract_product(&lanes(&m), &lanes(&m));
+        close(single(&less.to_matrix()), s - m * m.transpose());
+    }
+}

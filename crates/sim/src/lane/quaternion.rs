@@ -1,0 +1,66 @@
+use super::{Lane, Vector};
+
+/// A rotation for each of some strands, as a unit quaternion w + v.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turn<L> {
+    pub w: L,
+    pub v: Vector<L>,
+}
+
+impl<L: Lane> Turn<L> {
+    #[inline(always)]
+    pub fn identity() -> Self {
+        Self { w: L::one(), v: Vector::zero() }
+    }
+
+    /// This after another.
+    #[inline(always)]
+    pub fn after(self, o: Self) -> Self {
+        Self { w: self.w * o.w - self.v.dot(o.v), v: o.v * self.w + self.v * o.w + self.v.cross(o.v) }
+    }
+
+    #[inline(always)]
+    pub fn inverse(self) -> Self {
+        Self { w: self.w, v: -self.v }
+    }
+
+    #[inline(always)]
+    pub fn rotate(self, a: Vector<L>) -> Vector<L> {
+        let t = self.v.cross(a) * L::splat(2.0);
+        a + t * self.w + self.v.cross(t)
+    }
+
+    /// Where the x axis goes.
+    #[inline(always)]
+    pub fn x_axis(self) -> Vector<L> {
+        let two = L::splat(2.0);
+        let Vector { x, y, z } = self.v;
+        Vector::new(L::one() - two * (y * y + z * z), two * (x * y + self.w * z), two * (x * z - self.w * y))
+    }
+
+    /// This where `of` is above `bound`, else another.
+    #[inline(always)]
+    pub fn where_above(self, of: L, bound: L, no: Self) -> Self {
+        Self { w: of.above(bound, self.w, no.w), v: Vector::where_above(of, bound, self.v, no.v) }
+    }
+
+    #[inline(always)]
+    pub fn normalized(self) -> Self {
+        let per_norm = L::one() / (self.w * self.w + self.v.norm_squared()).sqrt();
+        Self { w: self.w * per_norm, v: self.v * per_norm }
+    }
+
+    /// The turn by 2 arctan(|b|/2) about b: by b itself if b is small, never by more than half a turn.
+    #[inline(always)]
+    pub fn cayley(b: Vector<L>) -> Self {
+        Self { w: L::one(), v: b * L::splat(0.5) }.normalized()
+    }
+
+    /// Four times the tangent of a quarter of the angle, along the axis (Wiener and Milenkovic): close to the rotation
+    /// vector, without a trigonometric function, and smooth up to a whole turn. The shorter of the two ways is taken.
+    #[inline(always)]
+    pub fn bend(self) -> Vector<L> {
+        let sign = self.w.above(L::zero(), L::one(), -L::one());
+        self.v * (sign * L::splat(4.0) / (L::one() + self.w * sign))
+    }
+}

@@ -1,0 +1,119 @@
+use super::Lane;
+use core::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
+use tousle_core::Vec3;
+
+/// A vector for each of some strands.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Vector<L> {
+    pub x: L,
+    pub y: L,
+    pub z: L,
+}
+
+impl<L: Lane> Vector<L> {
+    #[inline(always)]
+    pub fn new(x: L, y: L, z: L) -> Self {
+        Self { x, y, z }
+    }
+
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self::new(L::zero(), L::zero(), L::zero())
+    }
+
+    /// The same vector for all.
+    #[inline(always)]
+    pub fn splat(v: Vec3) -> Self {
+        Self::new(L::splat(v.x), L::splat(v.y), L::splat(v.z))
+    }
+
+    /// The vector of one strand.
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.x.get(lane), self.y.get(lane), self.z.get(lane))
+    }
+
+    /// Sets the vector of one strand.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, v: Vec3) {
+        self.x.set(lane, v.x);
+        self.y.set(lane, v.y);
+        self.z.set(lane, v.z);
+    }
+
+    /// The vector of one strand for each, as a function of its place.
+    pub fn from_fn(mut f: impl FnMut(usize) -> Vec3) -> Self {
+        let mut v = Self::zero();
+        for lane in 0..L::N {
+            v.set(lane, f(lane));
+        }
+        v
+    }
+
+    #[inline(always)]
+    pub fn dot(self, o: Self) -> L {
+        self.x * o.x + self.y * o.y + self.z * o.z
+    }
+
+    #[inline(always)]
+    pub fn cross(self, o: Self) -> Self {
+        Self::new(self.y * o.z - self.z * o.y, self.z * o.x - self.x * o.z, self.x * o.y - self.y * o.x)
+    }
+
+    #[inline(always)]
+    pub fn norm_squared(self) -> L {
+        self.dot(self)
+    }
+
+    /// `yes` where `of` is above `bound`, else `no`.
+    #[inline(always)]
+    pub fn where_above(of: L, bound: L, yes: Self, no: Self) -> Self {
+        Self::new(of.above(bound, yes.x, no.x), of.above(bound, yes.y, no.y), of.above(bound, yes.z, no.z))
+    }
+}
+
+impl<L: Lane> Add for Vector<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        Self::new(self.x + o.x, self.y + o.y, self.z + o.z)
+    }
+}
+
+impl<L: Lane> Sub for Vector<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        Self::new(self.x - o.x, self.y - o.y, self.z - o.z)
+    }
+}
+
+impl<L: Lane> Neg for Vector<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::new(-self.x, -self.y, -self.z)
+    }
+}
+
+impl<L: Lane> Mul<L> for Vector<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, s: L) -> Self {
+        Self::new(self.x * s, self.y * s, self.z * s)
+    }
+}
+
+impl<L: Lane> AddAssign for Vector<L> {
+    #[inline(always)]
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+
+impl<L: Lane> SubAssign for Vector<L> {
+    #[inline(always)]
+    fn sub_assign(&mut self, o: Self) {
+        *self = *self - o;
+    }
+}

@@ -1,0 +1,87 @@
+//! Steps as long as a tolerance allows, chosen for each strand by itself.
+
+use super::batch::{Batch, Model};
+use super::implicit::Formula;
+use super::link::Work;
+use super::scene::{Carry, Now};
+use crate::lane::Lane;
+use crate::timeline::Timeline;
+use tousle_field::Sampler;
+
+/// Where a strand's own clock stands.
+#[derive(Clone, Debug)]
+pub(crate) struct Pace {
+    /// The step that was taken last, s.
+    last_secs: f64,
+    /// The step that is tried next, s.
+    next_secs: f64,
+}
+
+/// The shortest and the longest step, s. What is still wrong at the shortest is a jump of the input itself.
+const SHORTEST_SECS: f64 = 2e-5;
+const LONGEST_SECS: f64 = 0.02;
+
+impl Pace {
+    /// Before the first step.
+    pub fn new() -> Self {
+        Self { last_secs: 1e-3, next_secs: 1e-3 }
+    }
+}
+
+impl<L: Lane> Batch<L> {
+    /// Steps from one time to another. `tolerance_m`: the most that any step may be off at any point.
+    pub fn advance(
+        &mut self,
+        pace: &mut Pace,
+        work: &mut [Work<L>],
+        model: &Model,
+        world: (&Timeline<'_>, &Sampler<'_>),
+        (from_secs, to_secs): (f64, f64),
+        tolerance_m: f64,
+    ) {
+        let (timeline, sampler) = world;
+        let mut time = from_secs;
+        while time < to_secs {
+            let left = to_secs - time;
+            // A step that would leave a crumb is stretched over it, one that would leave less than itself is halved.
+            let dt = match pace.next_secs.clamp(SHORTEST_SECS, LONGEST_SECS) {
+                dt if dt >= 0.999 * left => left,
+                dt if dt > 0.5 * left => 0.5 * left,
+                dt => dt,
+            };
+            let now = Now::new(timeline, sampler, time + dt, false);
+            let carry = Carry::new(timeline, time, time + dt);
+            let before = self.states.clone();
+            let touchable = self.touchable.clone();
+            let at_rest = self.at_rest;
+            self.step_implicit(work, model, &now, carry.as_ref(), Formula::bdf2(dt, pace.last_secs));
+            let error_m = if self.at_rest { 0.0 } else { self.error(dt) };
+            let wanted = 0.85 * libm::cbrt(tolerance_m / error_m.max(1e-12));
+            if error_m > tolerance_m && dt > SHORTEST_SECS {
+                self.states = before;
+                self.touchable = touchable;
+                self.at_rest = at_rest;
+                pace.next_secs = dt * wanted.clamp(0.2, 0.9);
+                continue;
+            }
+            time = if dt == left { to_secs } else { time + dt };
+            pace.last_secs = dt;
+            // BDF2 stands growing steps up to 1 + √2; twice keeps clear of it.
+            pace.next_secs = dt * wanted.clamp(0.2, 2.0);
+        }
+    }
+
+    /// How far the step just taken is off, m, by how far its place is from what the trapezoidal rule makes of the
+    /// velocities at its ends.
+    ///
+    /// The rule is off by 1/12 of dt³ times the third derivative, BDF2 by 2/9 to the same side at equal steps: it is off
+    /// by 1.6 times their distance.
+    fn error(&self, dt_secs: f64) -> f64 {
+        let half_dt = L::splat(0.5 * dt_secs);
+        let off2 = self.states.iter().fold(L::zero(), |off2, state| {
+            let rule = state.place_before + (state.velocity_before + state.velocity) * half_dt;
+            off2.max((state.place - rule).norm_squared())
+        });
+        1.6 * off2.largest().sqrt()
+    }
+}

@@ -1,0 +1,183 @@
+use super::batch::{Batch, Count};
+use super::contact::{CONTACT_RATE, Touchable, limit_m};
+use super::link::{Link, State};
+use crate::lane::{Lane, Turn, Vector};
+use nalgebra::UnitQuaternion;
+use tousle_core::Vec3;
+use tousle_rod::{DragLaw, Lock, Rest, shortest_rotation};
+
+/// A strand ready to be put into a batch.
+#[derive(Debug)]
+pub(crate) struct Prepared {
+    pub lock: Lock,
+    pub rest: Rest,
+    /// Stick axes to head axes at rest: the first by the shortest turn from x, each next by the shortest turn on.
+    pub turns: Vec<UnitQuaternion<f64>>,
+    /// Stiffness times the natural turn of each joint, axes of the stick before, N·m.
+    pub natural: Vec<Vec3>,
+    /// Colliders in reach.
+    pub reaches: Vec<usize>,
+}
+
+impl Prepared {
+    /// The frames of a strand at rest, and the natural turns that leave it in balance there.
+    pub fn new(lock: Lock, rest: Rest, reaches: Vec<usize>) -> Self {
+        let mut turns: Vec<UnitQuaternion<f64>> = Vec::with_capacity(lock.n_sticks());
+        let mut natural = Vec::with_capacity(lock.n_sticks());
+        let mut direction_before = Vec3::x();
+        for (j, direction) in lock.rest_directions.iter().enumerate() {
+            let before = turns.last().copied().unwrap_or_default();
+            let turn = shortest_rotation(direction_before, *direction) * before;
+            // The first stick's joint is straight at rest: it is clamped as it grows.
+            let before = if j == 0 { turn } else { before };
+            let bend = bend_of(before.inverse() * turn);
+            let held = before.inverse() * rest.torques[j];
+            natural.push(bend * lock.joint_stiffness[j] + torque_to_load(bend, held));
+            turns.push(turn);
+            direction_before = *direction;
+        }
+        Self { lock, rest, turns, natural, reaches }
+    }
+
+    /// Deepest that the rest curve lies in the body, m, ≥ 0.
+    pub fn deepest_m(&self) -> f64 {
+        -self.rest.clearances_m.iter().copied().fold(0.0, f64::min)
+    }
+}
+
+/// [`Turn::bend`] of one rotation.
+fn bend_of(turn: UnitQuaternion<f64>) -> Vec3 {
+    let q = if turn.w < 0.0 { -turn.into_inner() } else { turn.into_inner() };
+    q.imag() * (4.0 / (1.0 + q.w))
+}
+
+/// The y for which the joint's potential has the gradient `torque`: the inverse of what `bend_joints` does to y.
+///
+/// The map is (1 + σ²) times a rotation, so its inverse is its transpose over (1 + σ²)².
+fn torque_to_load(bend: Vec3, torque: Vec3) -> Vec3 {
+    let sigma = bend * 0.25;
+    let s2 = sigma.norm_squared();
+    let transposed = torque * (1.0 - s2) - sigma.cross(&torque) * 2.0 + sigma * (2.0 * sigma.dot(&torque));
+    transposed / ((1.0 + s2) * (1.0 + s2))
+}
+
+/// Puts up to as many strands as there are lanes side by side.
+pub(crate) fn build<L: Lane>(strands: &[(usize, &Prepared)], law: &DragLaw, n_colliders: usize) -> Batch<L> {
+    let of = |lane: usize| strands[lane.min(strands.len() - 1)].1;
+    let n = strands.iter().map(|s| s.1.lock.n_sticks()).max().unwrap_or(0);
+    let per_stick = |stick: usize, value: &dyn Fn(&Prepared) -> f64, beyond: f64| {
+        L::from_fn(|lane| {
+            let p = of(lane);
+            if stick < p.lock.n_sticks() { value(p) } else { beyond }
+        })
+    };
+    let links: Vec<Link<L>> = (0..n)
+        .map(|k| Link {
+            length: per_stick(k, &|p| p.lock.lengths_m[k], 0.01),
+            mass: per_stick(k, &|p| p.lock.masses_kg[k], 0.0),
+            stiffness: per_stick(k, &|p| p.lock.joint_stiffness[k], 1e-6),
+            damping_secs: per_stick(k, &|p| p.lock.damping_secs, 0.0),
+            natural: Vector::from_fn(|lane| of(lane).natural.get(k).copied().unwrap_or_default()),
+            drag: per_stick(k, &|p| 0.5 * law.air_density * p.lock.width_m * p.lock.hair_lengths_m[k], 0.0),
+            viscous: per_stick(
+                k,
+                &|p| {
+                    let cbrt = libm::cbrt(law.viscosity / p.lock.width_m);
+                    10.0 * cbrt * cbrt
+                },
+                0.0,
+            ),
+            rotary: per_stick(k, &|p| p.lock.masses_kg[k] * p.lock.width_m * p.lock.width_m / 8.0, 0.0),
+        })
+        .collect();
+    let states: Vec<State<L>> = (0..n).map(|k| state_at_rest(k, &of)).collect();
+    let touchable = (0..n_colliders).filter_map(|collider| touchable(collider, n, strands, &of)).collect();
+    Batch {
+        strands: strands.iter().map(|s| s.0).collect(),
+        root: Vector::from_fn(|lane| of(lane).lock.root_m),
+        root_turn: turn_lanes(|lane| of(lane).turns[0]),
+        widths_m: L::from_fn(|lane| of(lane).lock.width_m),
+        densities: L::from_fn(|lane| of(lane).lock.linear_density_kg_per_m),
+        links,
+        states,
+        touchable,
+        contact_mass: L::from_fn(|lane| contact_mass(&of(lane).lock)),
+        at_rest: true,
+        count: Count::default(),
+    }
+}
+
+/// The mean mass of a lock's points, kg.
+fn contact_mass(lock: &Lock) -> f64 {
+    lock.masses_kg.iter().sum::<f64>() / lock.n_sticks() as f64
+}
+
+fn state_at_rest<'a, L: Lane>(stick: usize, of: &impl Fn(usize) -> &'a Prepared) -> State<L> {
+    // Sticks beyond a strand's own tip go on straight.
+    let turn_of = |p: &Prepared| p.turns[stick.min(p.turns.len() - 1)];
+    let turn = turn_lanes(|lane| turn_of(of(lane)));
+    let place = Vector::from_fn(|lane| {
+        let p = of(lane);
+        let mut end = p.lock.root_m;
+        for k in 0..=stick {
+            let own = k < p.lock.n_sticks();
+            let direction = p.lock.rest_directions[k.min(p.lock.n_sticks() - 1)];
+            end += direction * if own { p.lock.lengths_m[k] } else { 0.01 };
+        }
+        end
+    });
+    let bend = Vector::from_fn(|lane| {
+        let p = of(lane);
+        if stick == 0 || stick >= p.turns.len() {
+            Vec3::zeros()
+        } else {
+            bend_of(p.turns[stick - 1].inverse() * p.turns[stick])
+        }
+    });
+    State {
+        turn,
+        turn_before: turn,
+        place,
+        place_before: place,
+        velocity: Vector::zero(),
+        velocity_before: Vector::zero(),
+        bend,
+        bend_before: bend,
+    }
+}
+
+fn turn_lanes<L: Lane>(of: impl Fn(usize) -> UnitQuaternion<f64>) -> Turn<L> {
+    let v = Vector::from_fn(|lane| of(lane).imag());
+    Turn { w: L::from_fn(|lane| of(lane).w), v }
+}
+
+fn touchable<'a, L: Lane>(
+    collider: usize,
+    n: usize,
+    strands: &[(usize, &Prepared)],
+    of: &impl Fn(usize) -> &'a Prepared,
+) -> Option<Touchable<L>> {
+    if !strands.iter().any(|s| s.1.reaches.contains(&collider)) {
+        return None;
+    }
+    let bearing_n = |p: &Prepared, stick: usize| {
+        let borne = p.rest.bearings.iter().find(|b| b.collider == collider && b.stick == stick);
+        borne.map_or(0.0, |b| b.force_n)
+    };
+    let limit = |p: &Prepared, stick: usize| {
+        if stick >= p.lock.n_sticks() || !p.reaches.contains(&collider) {
+            return f64::NEG_INFINITY;
+        }
+        let clearance_m = p.rest.clearances_m[collider * p.lock.n_sticks() + stick];
+        limit_m(clearance_m, bearing_n(p, stick), contact_mass(&p.lock) * CONTACT_RATE * CONTACT_RATE)
+    };
+    let each = |f: &dyn Fn(&Prepared, usize) -> f64| -> Vec<L> {
+        (0..n).map(|stick| L::from_fn(|lane| f(of(lane), stick))).collect()
+    };
+    Some(Touchable {
+        collider,
+        limits_m: each(&limit),
+        pushes: each(&bearing_n),
+        near: Vec::with_capacity(n),
+    })
+}

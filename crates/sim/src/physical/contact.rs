@@ -1,0 +1,198 @@
+//! What a body does to a strand's points: a spring that is soft as a lock is, without a rebound, and friction.
+
+use super::batch::Model;
+use crate::lane::{Lane, Matrix, Symmetric, Vector};
+use tousle_core::Vec3;
+use tousle_rod::{Surface, SurfaceShape};
+
+/// A collider that strands of a batch can reach.
+#[derive(Clone, Debug)]
+pub(crate) struct Touchable<L> {
+    /// Index in the body.
+    pub collider: usize,
+    /// How near each point may come to the surface before it is pushed, m, from its center line; stick after stick.
+    /// Minus infinity where it cannot.
+    pub limits_m: Vec<L>,
+    /// With which force the surface bore each point at the end of the last step, N: what friction goes by.
+    pub pushes: Vec<L>,
+    /// Sticks whose ends may touch in this step, with their limits; minus infinity for strands whose own may not.
+    pub near: Vec<(usize, L)>,
+}
+
+/// A surface and how it moves, ready for a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MovingSurface {
+    pub surface: Surface,
+    /// Velocity over the ground of the surface's point at the head's center, head axes, m/s.
+    pub velocity: Vec3,
+    /// What turns it, head axes, rad/s.
+    pub angular_velocity: Vec3,
+}
+
+/// What a surface does to a point: the gradient of its potential and its second derivative.
+pub(super) struct Bearing<L> {
+    /// Force outwards, N.
+    pub push: L,
+    pub slope: Vector<L>,
+    pub hessian: Symmetric<L>,
+}
+
+/// Square root of a contact's stiffness over the mean mass of a lock's points, 1/s. A lock is a loose bundle of a few
+/// millimeters that gives way by fractions of one. If it rises, contacts are harder (under ten times a point's weight
+/// one gives way by 98 / 200² m = 2.5 mm at 200) and take more iterations; between 100 and 500 the scores on the
+/// development captures move by less than 0.005.
+pub(super) const CONTACT_RATE: f64 = 200.0;
+
+/// Depth over which a contact's spring grows from nothing to its full stiffness, m: a fringe of stray hairs. Without
+/// it the search for what touches goes round in circles.
+pub(super) const FRINGE_M: f64 = 5e-4;
+
+/// Slower than this along a surface, m/s, friction grows with the speed instead of being whole: what is held by
+/// friction alone creeps by less than 0.2 mm in a second.
+const CREEP: f64 = 2e-4;
+
+/// How deep a spring must be pressed to push with a force of `give` times its stiffness, m.
+pub(super) fn depth_of(give_m: f64) -> f64 {
+    if give_m >= 0.5 * FRINGE_M { give_m + 0.5 * FRINGE_M } else { (2.0 * FRINGE_M * give_m).sqrt() }
+}
+
+/// Distance of points from a surface, m, and the way out, for many strands ([`Surface::gap`]).
+#[inline(always)]
+fn gaps<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L>) {
+    match surface.shape() {
+        SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => {
+            let rows =
+                |r: usize| Vector::splat(Vec3::new(to_sphere[(r, 0)], to_sphere[(r, 1)], to_sphere[(r, 2)]));
+            let to_sphere = Matrix { x: rows(0), y: rows(1), z: rows(2) };
+            let scaled = to_sphere.mul_vector(place - Vector::splat(center_m));
+            let level = scaled.norm_squared().sqrt();
+            let gradient = to_sphere.transpose_mul(scaled);
+            let slope = gradient.norm_squared().sqrt().max(L::splat(1e-9 / shortest_half_axis_m));
+            // (level − 1) / |∇level|, and ∇level = gradient / level.
+            ((level - L::one()) * level / slope, gradient * (L::one() / slope))
+        }
+        SurfaceShape::Capsule { a_m, axis, per_length2, radius_m } => {
+            let from_a = place - Vector::splat(a_m);
+            let axis = Vector::splat(axis);
+            let share = (from_a.dot(axis) * L::splat(per_length2)).max(L::zero()).min(L::one());
+            let away = from_a - axis * share;
+            let distance = away.norm_squared().sqrt();
+            let out = away * (L::one() / distance.max(L::splat(1e-12)));
+            (distance - L::splat(radius_m), out)
+        }
+    }
+}
+
+impl<L: Lane> Touchable<L> {
+    /// Finds the sticks whose ends may touch in a step: those that are, or are expected to come, within `margin_m`.
+    #[inline(always)]
+    pub fn look(&mut self, surface: &Surface, places: impl Iterator<Item = Vector<L>>, margin_m: L) {
+        self.near.clear();
+        for (stick, (place, limit)) in places.zip(&self.limits_m).enumerate() {
+            let (gap, _) = gaps(surface, place);
+            let room = gap - *limit - margin_m;
+            let never = L::splat(f64::NEG_INFINITY);
+            // A NaN counts as near.
+            let smallest = room.smallest();
+            if smallest <= 0.0 || smallest.is_nan() {
+                self.near.push((stick, room.above(L::zero(), never, *limit)));
+            }
+        }
+    }
+}
+
+/// The force of a surface on the end of a stick at a place and velocity. `stiffness` in N/m; `per_h`: how velocity changes with place, 1/s.
+#[inline(always)]
+pub(super) fn bear<L: Lane>(
+    model: &Model,
+    touchable: &Touchable<L>,
+    (stick, limit_m): (usize, L),
+    moving: &MovingSurface,
+    (place, velocity): (Vector<L>, Vector<L>),
+    stiffness: L,
+    per_h: L,
+) -> Bearing<L> {
+    let (gap, normal) = gaps(&moving.surface, place);
+    let depth = (limit_m - gap).max(L::zero());
+    let fringe = L::splat(FRINGE_M);
+    let soft = depth.min(fringe);
+    let spring = (soft * soft * L::splat(0.5 / FRINGE_M) + (depth - soft)) * stiffness;
+    let share = soft * L::splat(1.0 / FRINGE_M);
+    // A critical dashpot that only resists, never pulls: what touches does not bounce.
+    let ground = Vector::splat(moving.velocity) + Vector::splat(moving.angular_velocity).cross(place);
+    let relative = velocity - ground;
+    let leaving = relative.dot(normal);
+    let dashpot = stiffness * share * L::splat(2.0 / CONTACT_RATE);
+    let push = (spring - dashpot * leaving).max(L::zero());
+    let rise = push.above(L::zero(), stiffness * share + dashpot * per_h, L::zero());
+    let mut hessian = Symmetric::zero();
+    let mut slope = -(normal * push);
+    if model.friction > 0.0 {
+        // Friction goes by the push a step ago, so that it does not wait for a push that waits for it.
+        let along = relative - normal * leaving;
+        let speed = along.norm_squared().sqrt().max(L::splat(CREEP));
+        let held = depth.above(L::zero(), touchable.pushes[stick], L::zero());
+        let rub = held * L::splat(model.friction) / speed;
+        slope += along * rub;
+        hessian.add_identity(rub * per_h);
+        hessian.add_outer(normal, rise - rub * per_h);
+    } else {
+        hessian.add_outer(normal, rise);
+    }
+    Bearing { push, slope, hessian }
+}
+
+/// How near a point may come before it is pushed, from how near it lies at rest and what bears it there.
+pub(super) fn limit_m(clearance_m: f64, bearing_n: f64, stiffness: f64) -> f64 {
+    clearance_m + depth_of(if stiffness > 0.0 { bearing_n / stiffness } else { 0.0 })
+}
+
+/// [`Gap`] of one point, for tests that hold the two against each other.
+#[cfg(test)]
+pub(super) fn gap_of(surface: &Surface, place: Vec3) -> tousle_rod::Gap {
+    use crate::lane::Wide4;
+    let (distance, normal) = gaps::<Wide4>(surface, Vector::splat(place));
+    tousle_rod::Gap { distance_m: distance.get(0), normal: normal.get(0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::UnitQuaternion;
+    use tousle_core::{Pose, Shape};
+
+    #[test]
+    fn gaps_are_those_of_the_surface() {
+        let pose = Pose::from_parts(
+            Vec3::new(0.02, -0.01, 0.03).into(),
+            UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1),
+        );
+        let shapes = [
+            Shape::Ellipsoid { center_m: Vec3::zeros(), half_axes_m: Vec3::new(0.095, 0.075, 0.1) },
+            Shape::Capsule {
+                a_m: Vec3::new(0.0, -0.15, 0.0),
+                b_m: Vec3::new(0.0, 0.15, 0.0),
+                radius_m: 0.07,
+            },
+        ];
+        for shape in &shapes {
+            let surface = Surface::new(shape).moved(&pose);
+            for point in [Vec3::new(0.1, 0.02, 0.05), Vec3::new(-0.03, 0.2, 0.01), Vec3::new(0.03, 0.02, 0.0)]
+            {
+                let (found, expected) = (gap_of(&surface, point), surface.gap(point));
+                assert!((found.distance_m - expected.distance_m).abs() < 1e-12, "{found:?} {expected:?}");
+                assert!((found.normal - expected.normal).norm() < 1e-12, "{found:?} {expected:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_depth_pushes_as_hard_as_it_was_made_for() {
+        for give in [0.0, 1e-5, 2e-4, 1e-3] {
+            let depth = depth_of(give);
+            let soft = depth.min(FRINGE_M);
+            let pushes = soft * soft * 0.5 / FRINGE_M + (depth - soft);
+            assert!((pushes - give).abs() < 1e-15, "{give} {pushes}");
+        }
+    }
+}

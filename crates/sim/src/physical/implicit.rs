@@ -1,0 +1,252 @@
+//! Implicit steps: a multistep formula, and Newton's method for what it asks.
+
+use super::batch::{Batch, Model};
+use super::contact::bear;
+use super::link::Work;
+use super::newton::{Weights, bend_joints, place_sticks, sweep_inwards, sweep_outwards};
+use super::scene::{Carry, Now};
+use crate::lane::{Lane, Turn, Vector};
+use tousle_core::Vec3;
+use tousle_rod::DragLaw;
+
+/// A formula that gives a rate at a step's end: rate = (value − now · value now − before · value a step ago) / h.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Formula {
+    /// The step, s.
+    pub dt_secs: f64,
+    /// h, s.
+    pub h_secs: f64,
+    pub now: f64,
+    pub before: f64,
+}
+
+impl Formula {
+    /// Backward Euler: order 1, what is stiff is gone after a step.
+    pub fn euler(dt_secs: f64) -> Self {
+        Self { dt_secs, h_secs: dt_secs, now: 1.0, before: 0.0 }
+    }
+
+    /// The backward differentiation formula of order 2 after a step of another length (Hairer, Nørsett and Wanner,
+    /// "Solving Ordinary Differential Equations I", III.5): what is stiff is gone after a step here too.
+    pub fn bdf2(dt_secs: f64, dt_before_secs: f64) -> Self {
+        let ratio = dt_secs / dt_before_secs;
+        let per = 1.0 / (1.0 + 2.0 * ratio);
+        Self {
+            dt_secs,
+            h_secs: dt_secs * (1.0 + ratio) * per,
+            now: (1.0 + ratio) * (1.0 + ratio) * per,
+            before: -ratio * ratio * per,
+        }
+    }
+}
+
+/// Iterations of a step. Without contacts two or three settle; what has not settled then is counted and reported.
+const MAX_ITERATIONS: usize = 40;
+
+/// Where the ends of contacts meet, the iteration can circle between two answers: after some iterations it goes
+/// shares of the way only.
+const fn share_of_way(iteration: usize) -> f64 {
+    match iteration {
+        0..6 => 1.0,
+        6..14 => 0.5,
+        _ => 0.25,
+    }
+}
+
+/// A contact is looked for as far as a point may come in a step, m: this much and twice its present way.
+const LOOK_M: f64 = 5e-3;
+
+impl<L: Lane> Batch<L> {
+    /// One step. `work` is room for it, as [`Batch::make_room`] makes it.
+    #[inline(always)]
+    pub fn step_implicit(
+        &mut self,
+        work: &mut [Work<L>],
+        model: &Model,
+        now: &Now<'_>,
+        carry: Option<&Carry>,
+        formula: Formula,
+    ) {
+        self.count.steps += 1;
+        if self.at_rest && now.is_still {
+            self.count.slept += 1;
+            return;
+        }
+        self.at_rest = false;
+        if let Some(carry) = carry {
+            self.carry(carry);
+        }
+        let weights = Weights::new(formula.h_secs);
+        self.prepare(work, &weights, formula);
+        place_sticks(self.root, &self.links, work);
+        self.feel_wind(work, model, now);
+        self.look_for_contacts(work, now);
+        self.settle(work, model, now, &weights);
+        self.finish(work, model, now, &weights);
+    }
+
+    /// Newton's method, each strand until it has settled.
+    #[inline(always)]
+    fn settle(&mut self, work: &mut [Work<L>], model: &Model, now: &Now<'_>, weights: &Weights<L>) {
+        let tolerance_m = model.settled_m(weights.h.get(0));
+        let tolerance2 = L::splat(tolerance_m * tolerance_m);
+        // 1 for a strand that still moves, 0 for one that has settled, whatever its neighbors in the batch do.
+        let mut active = L::one();
+        for iteration in 0..MAX_ITERATIONS {
+            bend_joints(self.root_turn, work);
+            self.load_points(work, model, now, weights);
+            sweep_inwards(&self.links, work, weights.per_h2, L::one());
+            let way = active * L::splat(share_of_way(iteration));
+            let moved2 = sweep_outwards(&self.links, work);
+            for work in &mut *work {
+                let turned = Turn::cayley(work.offset * way).after(work.turn).normalized();
+                work.turn = turned.where_above(way, L::zero(), work.turn);
+            }
+            place_sticks(self.root, &self.links, work);
+            self.count.iterations += 1;
+            active = moved2.above(tolerance2, active, L::zero());
+            if active.largest() <= 0.0 {
+                return;
+            }
+            if iteration + 1 == MAX_ITERATIONS {
+                self.count.unsettled += 1;
+                self.count.unsettled_m = self.count.unsettled_m.max((moved2 * active).largest().sqrt());
+            }
+        }
+    }
+
+    /// Takes what was into the head's axes at the step's end.
+    fn carry(&mut self, carry: &Carry) {
+        if carry.is_cut {
+            // The hair goes along, with the shape and the velocities it had, as the head sees them.
+            return;
+        }
+        let q = carry.turn.quaternion();
+        let turn = Turn { w: L::splat(q.w), v: Vector::splat(Vec3::new(q.i, q.j, q.k)) };
+        let shift = Vector::splat(carry.shift);
+        for state in &mut self.states {
+            state.turn = turn.after(state.turn);
+            state.turn_before = turn.after(state.turn_before);
+            state.place = turn.rotate(state.place) + shift;
+            state.place_before = turn.rotate(state.place_before) + shift;
+            state.velocity = turn.rotate(state.velocity);
+            state.velocity_before = turn.rotate(state.velocity_before);
+        }
+    }
+
+    /// What a step begins with: the history's weighted sums, and a first guess.
+    #[inline(always)]
+    fn prepare(&self, work: &mut [Work<L>], weights: &Weights<L>, formula: Formula) {
+        let (now, before) = (L::splat(formula.now), L::splat(formula.before));
+        for ((link, state), work) in self.links.iter().zip(&self.states).zip(work) {
+            work.from = state.place * now + state.place_before * before;
+            let velocity = state.velocity * now + state.velocity_before * before;
+            work.drifting = work.from + velocity * weights.h;
+            // A joint gives way slowly: k (c − c0) + k τ ċ, ċ = (c − from) / h.
+            let damping = link.stiffness * link.damping_secs * weights.per_h;
+            work.stiffness = link.stiffness + damping;
+            work.natural = link.natural + (state.bend * now + state.bend_before * before) * damping;
+            work.turn = go_on(state.turn, state.turn_before);
+        }
+    }
+
+    /// Samples the field at the middle of every stick.
+    #[inline(always)]
+    pub(super) fn feel_wind(&self, work: &mut [Work<L>], model: &Model, now: &Now<'_>) {
+        let (true, Some(wind)) = (model.air || model.pushes, &now.wind) else {
+            work.iter_mut().for_each(|work| work.wind = Vector::zero());
+            return;
+        };
+        let half = L::splat(0.5);
+        let mut before = self.root;
+        for work in work {
+            let middle = (before + work.place) * half;
+            for lane in 0..L::N {
+                let at = [middle.x.get(lane) as f32, middle.y.get(lane) as f32, middle.z.get(lane) as f32];
+                let found = wind.sample(at);
+                let found = match &model.force_law {
+                    None => Vec3::from(found.map(f64::from)),
+                    Some(law) => self.wind_of_force(law, lane, Vec3::from(found.map(f64::from))),
+                };
+                work.wind.set(lane, found);
+            }
+            before = work.place;
+        }
+    }
+
+    /// The wind that pushes a strand that lies across it as hard as a force per mass, m/s².
+    fn wind_of_force(&self, law: &DragLaw, lane: usize, per_mass: Vec3) -> Vec3 {
+        let strength = per_mass.norm();
+        if strength > 0.0 {
+            let speed = law.speed_across(self.widths_m.get(lane), self.densities.get(lane) * strength);
+            per_mass * (speed / strength)
+        } else {
+            Vec3::zeros()
+        }
+    }
+
+    /// Finds the points that may touch in this step.
+    #[inline(always)]
+    fn look_for_contacts(&mut self, work: &[Work<L>], now: &Now<'_>) {
+        if self.touchable.is_empty() {
+            return;
+        }
+        let way2 = self
+            .states
+            .iter()
+            .zip(work)
+            .fold(L::zero(), |way2, (state, work)| way2.max((work.place - state.place).norm_squared()));
+        let margin_m = L::splat(LOOK_M) + way2.sqrt() * L::splat(2.0);
+        for touchable in &mut self.touchable {
+            let surface = &now.surfaces[touchable.collider].surface;
+            touchable.look(surface, work.iter().map(|w| w.place), margin_m);
+        }
+    }
+
+    #[inline(always)]
+    fn finish(&mut self, work: &[Work<L>], model: &Model, now: &Now<'_>, weights: &Weights<L>) {
+        let stiffness = self.contact_stiffness();
+        for touchable in &mut self.touchable {
+            let surface = &now.surfaces[touchable.collider];
+            let mut pushes = core::mem::take(&mut touchable.pushes);
+            pushes.iter_mut().for_each(|push| *push = L::zero());
+            for &near in &touchable.near {
+                let work = &work[near.0];
+                let (place, velocity) = (work.place, (work.place - work.from) * weights.per_h);
+                let bearing = bear(
+                    &model.without_friction(),
+                    touchable,
+                    near,
+                    surface,
+                    (place, velocity),
+                    stiffness,
+                    weights.per_h,
+                );
+                pushes[near.0] = bearing.push;
+            }
+            touchable.pushes = pushes;
+        }
+        let mut before = self.root_turn;
+        for (state, work) in self.states.iter_mut().zip(work) {
+            state.turn_before = state.turn;
+            state.turn = work.turn;
+            state.place_before = state.place;
+            state.place = work.place;
+            state.velocity_before = state.velocity;
+            state.velocity = (work.place - work.from) * weights.per_h;
+            state.bend_before = state.bend;
+            state.bend = before.inverse().after(work.turn).bend();
+            before = work.turn;
+        }
+    }
+}
+
+/// A stick goes on turning as it did, if that is not far (some 30° a step).
+#[inline(always)]
+fn go_on<L: Lane>(now: Turn<L>, before: Turn<L>) -> Turn<L> {
+    let two = L::splat(2.0);
+    let alike = now.w * before.w + now.v.dot(before.v);
+    let near = L::splat(0.97);
+    let guess = Turn { w: now.w * two - before.w, v: now.v * two - before.v };
+    guess.where_above(alike, near, now).normalized()
+}

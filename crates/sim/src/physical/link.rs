@@ -1,0 +1,93 @@
+use crate::lane::{Lane, Matrix, Symmetric, Turn, Vector};
+
+/// A stick and the point at its far end: what never changes. One number a strand of the batch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Link<L> {
+    /// Length, m.
+    pub length: L,
+    /// Mass of the point at the far end, kg.
+    pub mass: L,
+    /// Stiffness of the joint at the near end, N·m; the same for bending and twist.
+    pub stiffness: L,
+    /// Internal damping over stiffness, s.
+    pub damping_secs: L,
+    /// Stiffness times the natural turn, as [`Turn::bend`], in the axes of the stick before, N·m.
+    pub natural: Vector<L>,
+    /// ½ ρ · width · length of the hair on the stick, kg/m: drag across over speed squared, but for the coefficient.
+    pub drag: L,
+    /// 10 (ν / width)^⅔, (m/s)^⅔: how much stronger drag is at low speeds.
+    pub viscous: L,
+    /// Rotary inertia of the stick, kg·m². It is that of a round bundle about its axis, some 1 % of what matters; it
+    /// gives a stick without stiffness a definite twist.
+    pub rotary: L,
+}
+
+/// Where a stick and its far point are, and where they were.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct State<L> {
+    /// Stick axes (x along it) to head axes, now and a step ago.
+    pub turn: Turn<L>,
+    pub turn_before: Turn<L>,
+    /// The far point, head space, m, now and a step ago.
+    pub place: Vector<L>,
+    pub place_before: Vector<L>,
+    /// Its velocity over the ground, head axes, m/s, now and a step ago.
+    pub velocity: Vector<L>,
+    pub velocity_before: Vector<L>,
+    /// The joint's turn, as [`Turn::bend`], now and a step ago.
+    pub bend: Vector<L>,
+    pub bend_before: Vector<L>,
+}
+
+/// What a step prepares and its iterations read and write.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Work<L> {
+    /// Where the point would be at the step's end if nothing pushed it, m.
+    pub drifting: Vector<L>,
+    /// What its velocity is counted from: velocity = (place − from) / h.
+    pub from: Vector<L>,
+    /// The joint's stiffness and natural torque, internal damping included.
+    pub stiffness: L,
+    pub natural: Vector<L>,
+    /// The field's vector at the stick's middle: wind, m/s, or a push, m/s².
+    pub wind: Vector<L>,
+    /// The present guess.
+    pub turn: Turn<L>,
+    pub direction: Vector<L>,
+    pub place: Vector<L>,
+    /// Gradient and second derivative of the potential by the joint's turn.
+    pub torque: Vector<L>,
+    pub curvature: L,
+    /// The same by the point's place.
+    pub slope: Vector<L>,
+    pub hessian: Symmetric<L>,
+    /// What the sweep inwards leaves for the sweep outwards:
+    /// turn = gain · curvature · turn before − leverᵀ · displacement before − offset. The latter leaves the turn itself
+    /// in `offset`.
+    pub gain: Symmetric<L>,
+    pub lever: Matrix<L>,
+    pub offset: Vector<L>,
+}
+
+impl<L: Lane> Work<L> {
+    pub fn new() -> Self {
+        let o = Vector::zero();
+        Self {
+            drifting: o,
+            from: o,
+            stiffness: L::zero(),
+            natural: o,
+            wind: o,
+            turn: Turn::identity(),
+            direction: o,
+            place: o,
+            torque: o,
+            curvature: L::zero(),
+            slope: o,
+            hessian: Symmetric::zero(),
+            gain: Symmetric::zero(),
+            lever: Matrix::zero(),
+            offset: o,
+        }
+    }
+}

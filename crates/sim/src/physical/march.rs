@@ -1,0 +1,244 @@
+//! The loop over steps and batches.
+
+use super::adaptive::Pace;
+use super::batch::{Batch, Count, Model};
+use super::build::{Prepared, build};
+use super::explicit::Swing;
+use super::implicit::Formula;
+use super::link::Work;
+use super::scene::{Carry, Now};
+use crate::Integrator;
+use crate::frames::{Frames, single};
+use crate::lane::{Lane, Wide1};
+use crate::timeline::Timeline;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+use tousle_core::{Groom, Progress};
+use tousle_field::Sampler;
+use tousle_rod::DragLaw;
+
+/// What a run is made of, whatever its numbers are.
+pub(super) struct March<'a> {
+    pub timeline: &'a Timeline<'a>,
+    pub sampler: &'a Sampler<'a>,
+    pub model: Model,
+    pub integrator: Integrator,
+    /// [`Integrator::Adaptive`]: the most that a step may be off, m.
+    pub tolerance_m: f64,
+    pub groom: &'a Groom,
+    pub prepared: &'a [Prepared],
+    pub law: DragLaw,
+    pub progress: &'a dyn Progress,
+}
+
+/// What moved, and what it took.
+pub(super) struct Moved {
+    pub positions_m: Vec<[f32; 3]>,
+    pub count: Count,
+}
+
+/// More points than this, and a step's field is laid together for the whole grid before they ask.
+const TOGETHER_FROM: usize = 6_000;
+
+/// Steps that a batch runs before the next one's turn. Few batches stay in the nearest memory with all they need; with
+/// many, it is the laid-together fields that must stay there.
+const BLOCK_OF_FEW: usize = 32;
+const BLOCK_OF_MANY: usize = 3;
+
+/// What the world does in a step, and at its end.
+struct World<'a> {
+    carry: Option<Carry>,
+    now: Now<'a>,
+}
+
+/// An implicit step of a batch, compiled for the widest registers of the machine it runs on.
+struct ImplicitStep<'a, 'b, L> {
+    batch: &'a mut Batch<L>,
+    work: &'a mut [Work<L>],
+    model: &'a Model,
+    world: &'a World<'b>,
+    formula: Formula,
+}
+
+impl<L: Lane> pulp::NullaryFnOnce for ImplicitStep<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.batch.step_implicit(
+            self.work,
+            self.model,
+            &self.world.now,
+            self.world.carry.as_ref(),
+            self.formula,
+        );
+    }
+}
+
+impl March<'_> {
+    /// All batches through all steps, a block of steps at a time.
+    pub fn in_step<L: Lane>(&self) -> Moved {
+        let timeline = self.timeline;
+        let together = self.groom.n_points() > TOGETHER_FROM;
+        let block = if together { BLOCK_OF_MANY } else { BLOCK_OF_FEW };
+        let mut frames = Frames::new(self.groom, timeline.n_frames);
+        let mut batches = self.batches::<L>();
+        let done = AtomicU64::new(0);
+        let total = (self.groom.strands.len() * timeline.n_steps()) as u64;
+        for begin in (0..timeline.n_steps()).step_by(block) {
+            let steps = begin..(begin + block).min(timeline.n_steps());
+            let worlds: Vec<World<'_>> = steps.clone().map(|step| self.world(step, together)).collect();
+            let blocks: Vec<Vec<Vec<[f32; 3]>>> = batches
+                .par_iter_mut()
+                .map_init(Vec::new, |work, batch| {
+                    let frames = self.move_batch(batch, work, begin, &worlds);
+                    let n = (batch.strands.len() * steps.len()) as u64;
+                    self.progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
+                    frames
+                })
+                .collect();
+            let frame = begin / timeline.steps_per_frame + 1;
+            for (batch, block) in batches.iter().zip(blocks) {
+                for (k, points) in block.into_iter().enumerate() {
+                    frames.put(frame + k, &batch.strands, &points);
+                }
+            }
+        }
+        let count = batches.iter().fold(Count::default(), |sum, b| sum.and(b.count));
+        Moved { positions_m: frames.positions_m, count }
+    }
+
+    /// A batch through a block of steps. Out: its strands' points in every frame that these complete.
+    fn move_batch<L: Lane>(
+        &self,
+        batch: &mut Batch<L>,
+        work: &mut Vec<Work<L>>,
+        begin: usize,
+        worlds: &[World<'_>],
+    ) -> Vec<Vec<[f32; 3]>> {
+        batch.make_room(work);
+        let arch = pulp::Arch::new();
+        let dt_secs = self.timeline.dt_secs();
+        let formula = match self.integrator {
+            Integrator::ImplicitEuler => Formula::euler(dt_secs),
+            _ => Formula::bdf2(dt_secs, dt_secs),
+        };
+        let mut frames = Vec::new();
+        for (k, world) in worlds.iter().enumerate() {
+            arch.dispatch(ImplicitStep { batch, work, model: &self.model, world, formula });
+            if (begin + k + 1).is_multiple_of(self.timeline.steps_per_frame) {
+                frames.push(self.points(batch));
+            }
+        }
+        frames
+    }
+
+    /// Strand by strand through all steps of an explicit integrator.
+    pub fn explicit(&self) -> Moved {
+        let dt_secs = self.timeline.dt_secs();
+        let is_rk4 = self.integrator == Integrator::Rk4;
+        let first = Now::new(self.timeline, self.sampler, self.secs(0), false);
+        self.one_by_one(|batch, work, frame, swing: &mut Option<Swing<Wide1>>| {
+            let swing = swing.get_or_insert_with(|| Swing::at_rest(batch, &first));
+            for step in (frame - 1) * self.timeline.steps_per_frame..frame * self.timeline.steps_per_frame {
+                let at = |share: f64| {
+                    Now::new(self.timeline, self.sampler, self.secs(step) + share * dt_secs, false)
+                };
+                if is_rk4 {
+                    let now = [at(0.0), at(0.5), at(1.0)];
+                    batch.step_rk4(swing, work, &self.model, [&now[0], &now[1], &now[2]], dt_secs);
+                } else {
+                    batch.step_semi_implicit(swing, work, &self.model, &at(0.0), dt_secs);
+                }
+            }
+        })
+    }
+
+    /// Every strand at its own pace.
+    pub fn adaptive(&self) -> Moved {
+        self.one_by_one(|batch, work, frame, pace: &mut Option<Pace>| {
+            let pace = pace.get_or_insert_with(Pace::new);
+            let span = (self.timeline.frame_secs(frame - 1), self.timeline.frame_secs(frame));
+            batch.advance(pace, work, &self.model, (self.timeline, self.sampler), span, self.tolerance_m);
+        })
+    }
+
+    /// Every strand by itself. `to_frame` moves one from the frame before to a frame, with what it keeps between.
+    fn one_by_one<K: Send>(
+        &self,
+        to_frame: impl Fn(&mut Batch<Wide1>, &mut [Work<Wide1>], usize, &mut Option<K>) + Sync,
+    ) -> Moved {
+        let n_frames = self.timeline.n_frames;
+        let mut frames = Frames::new(self.groom, n_frames);
+        let mut batches = self.batches::<Wide1>();
+        let done = AtomicU64::new(0);
+        let total = (batches.len() * (n_frames - 1)) as u64;
+        let moved: Vec<Vec<Vec<[f32; 3]>>> = batches
+            .par_iter_mut()
+            .map_init(Vec::new, |work, batch| {
+                batch.make_room(work);
+                let mut kept = None;
+                let mut points = Vec::with_capacity(n_frames);
+                for frame in 1..n_frames {
+                    to_frame(batch, work, frame, &mut kept);
+                    self.progress.at(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+                    points.push(self.points(batch));
+                }
+                points
+            })
+            .collect();
+        for (batch, strand_frames) in batches.iter().zip(moved) {
+            for (k, points) in strand_frames.into_iter().enumerate() {
+                frames.put(k + 1, &batch.strands, &points);
+            }
+        }
+        let count = batches.iter().fold(Count::default(), |sum, b| sum.and(b.count));
+        Moved { positions_m: frames.positions_m, count }
+    }
+
+    /// Strands in an order in which neighbors in a batch have as many sticks, and neighbors in the list grow close by.
+    fn order(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.prepared.len()).collect();
+        let cell = |p: &Prepared| {
+            let [x, y, z] = [0, 1, 2].map(|axis| ((p.lock.root_m[axis] + 0.5) * 50.0) as i64);
+            (x, y, z)
+        };
+        order.sort_by_cached_key(|s| (self.prepared[*s].lock.n_sticks(), cell(&self.prepared[*s])));
+        order
+    }
+
+    fn batches<L: Lane>(&self) -> Vec<Batch<L>> {
+        let n_colliders = self.timeline.body().colliders.len();
+        let batch = |strands: &[usize]| {
+            let strands: Vec<_> = strands.iter().map(|s| (*s, &self.prepared[*s])).collect();
+            build(&strands, &self.law, n_colliders)
+        };
+        let mut batches: Vec<Batch<L>> = self.order().chunks(L::N).map(batch).collect();
+        // A head that is held otherwise than at rest sets its hair going.
+        let hangs_still = self.timeline.tilt_at_start() == 0.0;
+        batches.iter_mut().for_each(|batch| batch.at_rest = hangs_still);
+        batches
+    }
+
+    /// The points of a batch's strands, strand after strand, roots left out.
+    fn points<L: Lane>(&self, batch: &Batch<L>) -> Vec<[f32; 3]> {
+        let of_strand = |(lane, s): (usize, &usize)| {
+            (0..self.prepared[*s].lock.n_sticks()).map(move |k| single(batch.place(lane, k)))
+        };
+        batch.strands.iter().enumerate().flat_map(of_strand).collect()
+    }
+
+    /// Time at which a step begins, s.
+    fn secs(&self, step: usize) -> f64 {
+        let (frame, within) = (step / self.timeline.steps_per_frame, step % self.timeline.steps_per_frame);
+        self.timeline.frame_secs(frame) + within as f64 * self.timeline.dt_secs()
+    }
+
+    fn world(&self, step: usize, together: bool) -> World<'_> {
+        let (begin, end) = (self.secs(step), self.secs(step + 1));
+        World {
+            carry: Carry::new(self.timeline, begin, end),
+            now: Now::new(self.timeline, self.sampler, end, together),
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! What is prepared before the first step, and what is said after the last.
+
+//! The loop over steps and batches.
+
+use super::batch::{Batch, Model};
+use super::build::{Prepared, build};
+use super::march::March;
+use super::stability::{Limit, limit};
+use crate::frames::max_stretch;
+use crate::lane::{Wide1, Wide4, Wide8};
+use crate::plan::plan;
+use crate::timeline::Timeline;
+use crate::{Integrator, Precision, SimError, SimOptions, SimReport, Simulation};
+use rayon::prelude::*;
+use tousle_core::{Attachment, Groom, Pose, Progress, Quantity, StrandMotion};
+use tousle_field::{FieldSequence, Sampler, Scene};
+use tousle_rod::{DragLaw, Lock, Surface, Touch, Twist, rest_state};
+
+pub(crate) fn run(
+    field: &FieldSequence,
+    scene: &Scene,
+    groom: &Groom,
+    options: &SimOptions,
+    progress: &dyn Progress,
+) -> Result<Simulation, SimError> {
+    let integrator = options.integrator();
+    let mut timeline = Timeline::new(field, scene, options, groom.n_points())?;
+    let law = DragLaw::in_air(scene.air_density);
+    let locks: Vec<Lock> = groom.strands.iter().map(Lock::new).collect();
+    let touch = Touch::by_rest(&locks, &scene.body);
+    let prepared = prepare(scene, &timeline, locks, touch);
+    let in_head = solids(scene);
+    let sampler = Sampler::new(field, |p| in_head.iter().any(|s| s.gap(p).distance_m < 0.0));
+    timeline.cut(options.dt_secs.unwrap_or(SimOptions::DEFAULT_DT_SECS))?;
+    let limit = explicit_limit(&timeline, field, &prepared, &law, integrator);
+    if let Some(limit) = limit {
+        timeline.cut(options.dt_secs.unwrap_or(f64::min(SimOptions::DEFAULT_DT_SECS, limit.dt_secs)))?;
+        if timeline.dt_secs() > limit.dt_secs {
+            return Err(SimError::Unstable {
+                integrator: integrator.name(),
+                dt_secs: timeline.dt_secs(),
+                limit_secs: limit.dt_secs,
+                strand: groom.strands[limit.strand_idx].name.clone(),
+                point: None,
+            });
+        }
+    }
+    let is_force = timeline.terms.quantity == Quantity::ForcePerMass;
+    let march = March {
+        timeline: &timeline,
+        sampler: &sampler,
+        model: Model {
+            along: core::f64::consts::PI * DragLaw::ALONG,
+            air: timeline.terms.air,
+            pushes: timeline.terms.wind && is_force && !timeline.terms.air,
+            force_law: (is_force && timeline.terms.air).then_some(law),
+            friction: scene.body.friction,
+            resolution_m: if options.precision == Precision::Single { 5e-7 } else { 0.0 },
+        },
+        integrator,
+        tolerance_m: options.tolerance_m,
+        groom,
+        prepared: &prepared,
+        law,
+        progress,
+    };
+    let moved = match (integrator, options.precision) {
+        (Integrator::Adaptive, _) => march.adaptive(),
+        (Integrator::SemiImplicit | Integrator::Rk4, _) => march.explicit(),
+        (_, Precision::Double) => march.in_step::<Wide4>(),
+        (_, Precision::Single) => march.in_step::<Wide8>(),
+    };
+    let n_reaching: Vec<usize> = (0..scene.body.colliders.len())
+        .map(|c| prepared.iter().filter(|p| p.reaches.contains(&c)).count())
+        .collect();
+    let times_secs = (0..timeline.n_frames).map(|frame| timeline.frame_secs(frame)).collect();
+    let motion = StrandMotion { counts: groom.counts(), times_secs, positions_m: moved.positions_m };
+    let limit_words = match limit {
+        Some(limit) => {
+            format!("{:.3e} s, set by strand {}", limit.dt_secs, groom.strands[limit.strand_idx].name)
+        }
+        None => "none: no step is too long or too stiff".to_owned(),
+    };
+    let report = SimReport {
+        integrator,
+        order: integrator.order(),
+        limit: limit_words,
+        dt_secs: timeline.dt_secs(),
+        n_steps: moved.count.steps,
+        iterations_per_step: moved.count.iterations as f64
+            / (moved.count.steps - moved.count.slept).max(1) as f64,
+        slept_share: moved.count.slept as f64 / moved.count.steps.max(1) as f64,
+        unsettled_steps: moved.count.unsettled,
+        unsettled_m: moved.count.unsettled_m,
+        plan: plan(field, scene, &timeline, &n_reaching),
+        max_stretch: max_stretch(&motion),
+        assumed: crate::run::assumptions(groom, &timeline, prepared.iter().map(Prepared::deepest_m)),
+    };
+    Ok(Simulation { motion, report })
+}
+
+/// The head's own shapes: no air is in them.
+fn solids(scene: &Scene) -> Vec<Surface> {
+    let of_head = scene.body.colliders.iter().filter(|c| c.attachment == Attachment::Head);
+    of_head.map(|c| Surface::new(&c.shape)).collect()
+}
+
+fn prepare(scene: &Scene, timeline: &Timeline<'_>, locks: Vec<Lock>, touch: Option<Touch>) -> Vec<Prepared> {
+    let gravity = timeline.gravity_at_rest();
+    let surfaces = Surface::of_body(&scene.body, &Pose::identity());
+    let prepare = |lock: Lock| {
+        let touch = touch.unwrap_or_else(|| Touch::by_width(&lock));
+        let rest = rest_state(&lock, gravity, &scene.body, Twist::Held, touch);
+        let reaches = crate::run::touchable(scene, timeline, &surfaces, &lock, &rest);
+        Prepared::new(lock, rest, reaches.into_iter().map(|t| t.collider).collect())
+    };
+    locks.into_par_iter().map(prepare).collect()
+}
+
+/// The longest step of an explicit integrator; `None` for the others.
+fn explicit_limit(
+    timeline: &Timeline<'_>,
+    field: &FieldSequence,
+    prepared: &[Prepared],
+    law: &DragLaw,
+    integrator: Integrator,
+) -> Option<Limit> {
+    if !integrator.is_limited() {
+        return None;
+    }
+    let head = timeline.strongest_pull();
+    let strongest = crate::stability::strongest_vector(field);
+    let mut work = Vec::new();
+    let limits = prepared.iter().enumerate().map(|(k, p)| {
+        let batch: Batch<Wide1> = build(&[(k, p)], law, timeline.body().colliders.len());
+        batch.make_room(&mut work);
+        let lock = &p.lock;
+        let air = law.across(lock.width_m, strongest) * strongest / lock.linear_density_kg_per_m;
+        let pull = head.acceleration + head.per_meter * (lock.root_m.norm() + lock.reach_m()) + air;
+        limit(&batch, &mut work, integrator == Integrator::Rk4, pull)
+    });
+    limits.min_by(|a, b| a.dt_secs.total_cmp(&b.dt_secs))
+}

@@ -1,0 +1,83 @@
+use super::contact::MovingSurface;
+use crate::timeline::Timeline;
+use nalgebra::UnitQuaternion;
+use tousle_core::{Attachment, HeadMotion, Vec3};
+use tousle_field::{Moment, Sampler};
+use tousle_rod::Surface;
+
+/// What the world does at one time, head axes.
+#[derive(Clone, Debug)]
+pub(crate) struct Now<'a> {
+    /// The field; `None` where no wind blows.
+    pub wind: Option<Moment<'a>>,
+    /// Gravity, m/s².
+    pub gravity: Vec3,
+    /// The body's surfaces, in the body's order.
+    pub surfaces: Vec<MovingSurface>,
+    /// The head's motion; `None` if it never moves.
+    pub head: Option<HeadMotion>,
+    /// Whether nothing can move that is at rest: no wind blows anywhere, and the head never moves.
+    pub is_still: bool,
+}
+
+/// Where what stands still over the ground goes in head space during a step in which the head moves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Carry {
+    pub turn: UnitQuaternion<f64>,
+    pub shift: Vec3,
+    /// Whether the head went where nothing that moves could follow, and takes its hair along.
+    pub is_cut: bool,
+}
+
+/// A head that goes faster than this, m/s, or turns faster, rad/s, has not moved: the shot was cut there.
+const CUT_SPEED: f64 = 50.0;
+const CUT_TURN: f64 = 100.0;
+
+impl<'a> Now<'a> {
+    /// The world at a time. `together`: whether very many points will ask for the wind.
+    pub fn new(timeline: &Timeline<'_>, sampler: &'a Sampler<'a>, secs: f64, together: bool) -> Self {
+        let motion = timeline.head_at(secs);
+        let head = timeline.terms.head_movement.then_some(motion);
+        let body = timeline.body();
+        let torso = timeline.torso_at(secs);
+        let moving = |(surface, collider): (Surface, &tousle_core::Collider)| {
+            let still = MovingSurface { surface, velocity: Vec3::zeros(), angular_velocity: Vec3::zeros() };
+            match (&head, collider.attachment) {
+                (None, _) => still,
+                (Some(head), Attachment::Head) => MovingSurface {
+                    velocity: head.velocity,
+                    angular_velocity: head.angular_velocity,
+                    ..still
+                },
+                // The torso shares the pivot with the head and does not turn.
+                (Some(head), Attachment::Torso) => MovingSurface {
+                    velocity: head.velocity + head.angular_velocity.cross(&body.pivot_m),
+                    ..still
+                },
+            }
+        };
+        let wind = timeline.wind_secs(secs).map(|secs| sampler.at(secs, together));
+        Self {
+            is_still: head.is_none() && wind.as_ref().is_none_or(Moment::is_still),
+            wind,
+            gravity: motion.world_from_head.rotation.inverse() * timeline.gravity_world(),
+            surfaces: Surface::of_body(body, &torso).into_iter().zip(&body.colliders).map(moving).collect(),
+            head,
+        }
+    }
+}
+
+impl Carry {
+    /// What a step from one time to another does to what stands still over the ground; `None` if the head never moves.
+    pub fn new(timeline: &Timeline<'_>, before_secs: f64, after_secs: f64) -> Option<Self> {
+        timeline.terms.head_movement.then(|| {
+            let (before, after) = (timeline.head_at(before_secs), timeline.head_at(after_secs));
+            let relative = after.world_from_head.inverse() * before.world_from_head;
+            let dt_secs = after_secs - before_secs;
+            let way =
+                (after.world_from_head.translation.vector - before.world_from_head.translation.vector).norm();
+            let is_cut = way > CUT_SPEED * dt_secs || relative.rotation.angle() > CUT_TURN * dt_secs;
+            Self { turn: relative.rotation, shift: relative.translation.vector, is_cut }
+        })
+    }
+}

@@ -1,0 +1,256 @@
+//! The method `physical` against closed forms and its own contract: order, rest, length, independence.
+
+mod common;
+
+use common::{
+    DOWN, farthest, mannequin, over_the_head, physical, run, still_air, straight, track, uniform, vacuum,
+};
+use tousle_core::{Pose, PoseTrack, Quantity, Strand, Vec3};
+use tousle_field::Scene;
+use tousle_sim::{Integrator, Method, Precision, SimError, SimOptions, TimeMode};
+
+/// A still head, tilted by an angle about y since the strands were at rest: they are released from there.
+fn tilted(angle: f64) -> Scene {
+    let turn = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::y() * angle);
+    Scene { poses: PoseTrack::still(Pose::from_parts(Vec3::zeros().into(), turn)), ..vacuum(DOWN) }
+}
+
+fn no_wind() -> tousle_field::FieldSequence {
+    uniform(Quantity::AirVelocity, 30.0, &[Vec3::zeros()])
+}
+
+/// Times at which a signal passes its level upwards, linear between frames.
+fn rises(signal: &[f64], level: f64, rate_hz: f64) -> Vec<f64> {
+    (0..signal.len() - 1)
+        .filter(|&k| signal[k] <= level && signal[k + 1] > level)
+        .map(|k| (k as f64 + (level - signal[k]) / (signal[k + 1] - signal[k])) / rate_hz)
+        .collect()
+}
+
+/// One limp stick with its mass at the tip is a pendulum: 2π √(l/g), but for a bundle's own rotary inertia, 1e-4 of it.
+#[test]
+fn a_stick_swings_like_a_pendulum() {
+    for (integrator, dt_secs) in [(Integrator::Implicit, 1.0 / 960.0), (Integrator::Rk4, 1.0 / 960.0)] {
+        let stick = Strand {
+            bending_stiffness_n_m2: 0.0,
+            internal_damping_secs: 0.0,
+            ..straight(Vec3::zeros(), -Vec3::z(), 0.15, 1)
+        };
+        let motion = run(&no_wind(), &tilted(0.0873), vec![stick], &physical(integrator, dt_secs, 4.0))
+            .unwrap()
+            .motion;
+        let x: Vec<f64> = track(&motion, 1).iter().map(|p| p.x).collect();
+        let rises = rises(&x, 0.15 * libm::sin(0.0873), 60.0);
+        let period = (rises[rises.len() - 1] - rises[0]) / (rises.len() - 1) as f64;
+        let expected = core::f64::consts::TAU * (0.15_f64 / 9.81).sqrt() * (1.0 + 0.0873 * 0.0873 / 16.0);
+        assert!((period / expected - 1.0).abs() < 5e-4, "{integrator:?}: {period} against {expected}");
+    }
+}
+
+/// A clamped rod under a force per length f bends by f L⁴ / 8 EI at its tip.
+#[test]
+fn a_rod_bends_as_a_rod_does() {
+    let rod = Strand { bending_stiffness_n_m2: 1e-4, ..straight(Vec3::zeros(), Vec3::x(), 0.2, 24) };
+    // 0.3 m/s² on 1.5 g/m: f = 4.5e-4 N/m; 4.5e-4 · 0.2⁴ / 8e-4 = 0.9 mm.
+    let push = uniform(Quantity::ForcePerMass, 30.0, &[Vec3::new(0.0, 0.3, 0.0)]);
+    let mut options = physical(Integrator::Implicit, 1.0 / 240.0, 4.0);
+    options.time = TimeMode::Hold;
+    let motion = run(&push, &vacuum(Vec3::zeros()), vec![rod], &options).unwrap().motion;
+    let tip = *track(&motion, 24).last().unwrap();
+    assert!((tip.y / 0.9e-3 - 1.0).abs() < 5e-3, "{} mm", tip.y * 1e3);
+}
+
+/// A quarter circle that is pushed out of its plane at the tip twists as well as it bends; with the twisting stiffness
+/// of the bending stiffness the tip goes F R³/EI · (π/4 + 3π/4 − 2) (Castigliano's theorem).
+#[test]
+fn a_bow_twists() {
+    let (n, radius) = (32, 0.1);
+    let at = |k: usize| {
+        let (sin, cos) = libm::sincos(core::f64::consts::FRAC_PI_2 * k as f64 / n as f64);
+        Vec3::new(radius * sin, radius * (1.0 - cos), 0.0)
+    };
+    let points: Vec<Vec3> = (0..=n).map(at).collect();
+    let length_m = points.windows(2).map(|p| (p[1] - p[0]).norm()).sum();
+    let bow = Strand {
+        rest_curve_m: points,
+        length_m,
+        bending_stiffness_n_m2: 1e-3,
+        ..straight(Vec3::zeros(), Vec3::x(), 0.1, 1)
+    };
+    // A force per length w along z instead of one at the tip: integrated with the unit load's moments,
+    // the tip goes w R⁴/EI · (moments about the tangent and the radius):
+    //   bending moment at φ from a piece at ψ: R sin(ψ − φ), torsion R (1 − cos(ψ − φ)).
+    let steps = 400_u32;
+    let quarter = core::f64::consts::FRAC_PI_2;
+    let mut sum = 0.0;
+    for i in 0..steps {
+        let phi = quarter * (f64::from(i) + 0.5) / f64::from(steps);
+        let (mut bending, mut torsion) = (0.0, 0.0);
+        for j in 0..steps {
+            let psi = quarter * (f64::from(j) + 0.5) / f64::from(steps);
+            if psi > phi {
+                bending += libm::sin(psi - phi) * quarter / f64::from(steps);
+                torsion += (1.0 - libm::cos(psi - phi)) * quarter / f64::from(steps);
+            }
+        }
+        let (unit_bending, unit_torsion) = (libm::sin(quarter - phi), 1.0 - libm::cos(quarter - phi));
+        sum += (bending * unit_bending + torsion * unit_torsion) * quarter / f64::from(steps);
+    }
+    let expected = 1.5e-3 * 0.4 * radius.powi(4) / 1e-3 * sum;
+    let push = uniform(Quantity::ForcePerMass, 30.0, &[Vec3::new(0.0, 0.0, 0.4)]);
+    let mut options = physical(Integrator::Implicit, 1.0 / 240.0, 4.0);
+    options.time = TimeMode::Hold;
+    let motion = run(&push, &vacuum(Vec3::zeros()), vec![bow], &options).unwrap().motion;
+    let tip = *track(&motion, n).last().unwrap();
+    assert!((tip.z / expected - 1.0).abs() < 0.01, "{} against {expected}", tip.z);
+}
+
+/// The error falls as the order says when the step is halved; the reference is the Runge-Kutta method at tiny steps.
+#[test]
+fn errors_fall_with_the_order() {
+    let lock = || Strand {
+        // So thick that explicit steps of a third of a millisecond stand its twist.
+        bending_stiffness_n_m2: 1e-5,
+        internal_damping_secs: 0.002,
+        lock_width_m: 0.01,
+        ..straight(Vec3::new(0.0, 0.0, 0.2), Vec3::new(0.3, 0.0, -1.0), 0.2, 5)
+    };
+    let gusts: Vec<Vec3> =
+        (0..=60).map(|k| Vec3::new(0.0, 3.0 * libm::sin(f64::from(k) * 0.2), 1.0)).collect();
+    let field = uniform(Quantity::AirVelocity, 60.0, &gusts);
+    let scene = Scene { air_density: 1.2, ..vacuum(DOWN) };
+    let end = |integrator, dt_secs| {
+        let motion = run(&field, &scene, vec![lock()], &physical(integrator, dt_secs, 0.75)).unwrap().motion;
+        *track(&motion, 5).last().unwrap()
+    };
+    for (integrator, order) in
+        [(Integrator::Implicit, 2.0), (Integrator::ImplicitEuler, 1.0), (Integrator::SemiImplicit, 1.0)]
+    {
+        // Against the method's own finest answer: the implicit ones leave a bundle's rotary inertia out.
+        let reference = end(integrator, 1.0 / 15_360.0);
+        let error = |steps: f64| (end(integrator, 1.0 / steps) - reference).norm();
+        let (coarse, fine) = (error(1920.0), error(3840.0));
+        let found = libm::log2(coarse / fine);
+        assert!(found > order - 0.3, "{integrator:?}: order {found}, {coarse} then {fine} m");
+    }
+    // Independent ways to the same answer.
+    let (implicit, explicit) =
+        (end(Integrator::Implicit, 1.0 / 7_680.0), end(Integrator::Rk4, 1.0 / 7_680.0));
+    assert!((implicit - explicit).norm() < 1e-3, "{implicit} {explicit}");
+    let options = SimOptions { tolerance_m: 1e-6, ..physical(Integrator::Adaptive, 1.0 / 60.0, 0.75) };
+    let motion = run(&field, &scene, vec![lock()], &options).unwrap().motion;
+    let adaptive = *track(&motion, 5).last().unwrap();
+    assert!((implicit - adaptive).norm() < 1e-3, "{implicit} {adaptive}");
+}
+
+/// A hundred times the stiffness needs no smaller step: the answer at 1/120 s is as near to the converged one.
+#[test]
+fn stiff_hair_needs_no_smaller_step() {
+    let gusts: Vec<Vec3> =
+        (0..=60).map(|k| Vec3::new(3.0 * libm::sin(f64::from(k) * 0.1), 1.0, 0.0)).collect();
+    let field = uniform(Quantity::AirVelocity, 60.0, &gusts);
+    let scene = Scene { air_density: 1.2, ..vacuum(DOWN) };
+    for times in [1.0, 100.0, 10_000.0] {
+        let lock = || Strand {
+            bending_stiffness_n_m2: 2e-6 * times,
+            ..straight(Vec3::new(0.0, 0.0, 0.5), Vec3::new(0.3, 0.0, -1.0), 0.25, 12)
+        };
+        let end = |dt_secs| {
+            let motion = run(&field, &scene, vec![lock()], &physical(Integrator::Implicit, dt_secs, 1.0))
+                .unwrap()
+                .motion;
+            track(&motion, 12)
+        };
+        let (coarse, fine) = (end(1.0 / 120.0), end(1.0 / 3840.0));
+        let off = coarse.iter().zip(&fine).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        assert!(off < 3e-3, "EI times {times}: {off} m");
+    }
+}
+
+/// Under gravity, on a head, nothing moves in a minute: not a tenth of a millimeter, in single precision too.
+#[test]
+fn at_rest_for_ever() {
+    // The air barely moves, so that nothing may sleep.
+    let breath = uniform(Quantity::AirVelocity, 30.0, &[Vec3::new(1e-7, 0.0, 0.0)]);
+    for precision in [Precision::Double, Precision::Single] {
+        let mut options = physical(Integrator::Implicit, 1.0 / 60.0, 60.0);
+        (options.precision, options.time) = (precision, TimeMode::Hold);
+        // A soft lock that leans far out is held up by a natural shape of many curls, and really is not in stable balance.
+        let hanging = straight(Vec3::new(0.05, 0.08, 0.03), Vec3::new(0.05, 0.05, -1.0), 0.25, 12);
+        let locks = vec![over_the_head(), hanging];
+        let simulation = run(&breath, &mannequin(), locks, &options).unwrap();
+        let drift = farthest(&simulation.motion);
+        assert!(drift < 1e-4, "{precision:?}: {drift} m");
+        assert!(simulation.report.max_stretch < 1e-3, "{}", simulation.report.max_stretch);
+        assert_eq!(simulation.report.slept_share, 0.0);
+    }
+}
+
+/// In still air nothing is done, and nothing moves by a bit.
+#[test]
+fn still_strands_sleep_exactly() {
+    let simulation = run(
+        &still_air(),
+        &mannequin(),
+        vec![over_the_head()],
+        &physical(Integrator::Implicit, 1.0 / 60.0, 2.0),
+    )
+    .unwrap();
+    assert_eq!(simulation.report.slept_share, 1.0);
+    assert_eq!(farthest(&simulation.motion), 0.0);
+}
+
+/// A strand moves the same alone and beside others, whatever they have in common and however many threads there are.
+#[test]
+fn a_strand_does_not_know_its_neighbors() {
+    let gusts: Vec<Vec3> =
+        (0..=60).map(|k| Vec3::new(4.0 * libm::sin(f64::from(k) * 0.2), 1.0, 0.0)).collect();
+    let field = uniform(Quantity::AirVelocity, 30.0, &gusts);
+    let options = physical(Integrator::Implicit, 1.0 / 60.0, 1.5);
+    let locks: Vec<Strand> = (0..7)
+        .map(|k| {
+            let k = f64::from(k);
+            let lock = straight(
+                Vec3::new(0.1, 0.01 * k, 0.0),
+                Vec3::new(1.0, 0.0, -1.0 - 0.1 * k),
+                0.2 + 0.01 * k,
+                9,
+            );
+            Strand { bending_stiffness_n_m2: 5e-5, ..lock }
+        })
+        .chain([over_the_head(), straight(Vec3::new(-0.1, 0.0, 0.0), -Vec3::x(), 0.1, 4)])
+        .collect();
+    let all = run(&field, &mannequin(), locks.clone(), &options).unwrap().motion;
+    for (k, lock) in locks.iter().enumerate() {
+        // What lies on the head shows how near hair comes to it, so it has to be there.
+        let alone = run(&field, &mannequin(), vec![lock.clone(), over_the_head()], &options).unwrap().motion;
+        for frame in 0..alone.times_secs.len() {
+            for (a, b) in alone.strand(frame, 0).iter().zip(all.strand(frame, k)) {
+                let off = (Vec3::from(a.map(f64::from)) - Vec3::from(b.map(f64::from))).norm();
+                // Rounding may decide whether one more iteration is due.
+                assert!(off < 1e-4, "strand {k}, frame {frame}: {off} m");
+            }
+        }
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    let threaded = pool.install(|| run(&field, &mannequin(), locks, &options).unwrap().motion);
+    assert_eq!(threaded.positions_m, all.positions_m);
+}
+
+/// An integrator of the other method, a tolerance that is none, and an explicit step beyond its limit are refused.
+#[test]
+fn what_cannot_be_is_refused() {
+    let go = |options: &SimOptions| run(&still_air(), &mannequin(), vec![over_the_head()], options);
+    let other = SimOptions { integrator: Some(Integrator::Exponential), ..SimOptions::of(Method::Physical) };
+    assert!(matches!(go(&other), Err(SimError::OtherMethod { .. })), "{:?}", go(&other));
+    let none = SimOptions { tolerance_m: 0.0, ..SimOptions::of(Method::Physical) };
+    assert!(matches!(go(&none), Err(SimError::BadOption { option: "tolerance_m", .. })));
+    for integrator in [Integrator::SemiImplicit, Integrator::Rk4] {
+        let error = go(&physical(integrator, 1.0 / 120.0, 0.1)).unwrap_err();
+        let SimError::Unstable { limit_secs, .. } = error else { panic!("{error}") };
+        assert!(limit_secs < 1e-3, "{limit_secs}");
+        // At its limit it holds.
+        let simulation = go(&physical(integrator, limit_secs, 0.1)).unwrap();
+        assert!(farthest(&simulation.motion) < 1e-4, "{integrator:?}");
+    }
+}
