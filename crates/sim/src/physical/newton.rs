@@ -189,7 +189,8 @@ pub(super) fn sweep_outwards<L: Lane>(links: &[Link<L>], work: &mut [Work<L>]) -
             - work.lever.transpose_mul(displacement)
             - work.offset;
         displacement += turn.cross(work.direction * link.length);
-        farthest = farthest.max(displacement.norm_squared());
+        // Sticks that only fill up the batch have no mass and no say.
+        farthest = farthest.max(link.mass.above(L::zero(), displacement.norm_squared(), L::zero()));
         work.offset = turn;
         turn_before = turn;
     }
