@@ -6,6 +6,7 @@
 
 pub mod file;
 pub mod paper;
+pub mod worlds;
 
 mod baselines;
 mod capture;

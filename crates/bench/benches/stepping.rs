@@ -1,0 +1,145 @@
+//! How many strand-point steps a second the simulator makes, beside what only sampling the field at those points and
+//! only moving the strands' state through memory would cost.
+//!
+//!     cargo bench -p tousle-bench --bench stepping
+//!
+//! Strands of 16 points all over a head that stands still, with contacts, in gusts of 3 m/s; 60 steps and frames a
+//! second. An item is one point through one step. Every run is a whole one: `prepare` is what it takes before its first
+//! step (how the hair hangs, and one step), to be set against the others.
+
+use divan::counter::ItemsCount;
+use divan::{Bencher, black_box};
+use rayon::prelude::*;
+use std::sync::LazyLock;
+use tousle_bench::worlds::{gusts, mannequin, wig};
+use tousle_core::{NoProgress, Vec3};
+use tousle_field::{FieldSequence, Sampler};
+use tousle_sim::{Method, Precision, SimOptions, TimeMode, simulate};
+
+fn main() {
+    divan::main();
+}
+
+const N_POINTS: usize = 16;
+static WIND: LazyLock<FieldSequence> = LazyLock::new(gusts);
+const RATE_HZ: f64 = 60.0;
+
+/// Strands, steps and threads: few strands take many steps, so that preparing them counts for little.
+const RUNS: [Run; 8] = [
+    Run { strands: 120, steps: 1200, threads: 1 },
+    Run { strands: 120, steps: 1200, threads: 2 },
+    Run { strands: 1_000, steps: 300, threads: 1 },
+    Run { strands: 1_000, steps: 300, threads: 2 },
+    Run { strands: 10_000, steps: 60, threads: 1 },
+    Run { strands: 10_000, steps: 60, threads: 2 },
+    Run { strands: 100_000, steps: 30, threads: 1 },
+    Run { strands: 100_000, steps: 30, threads: 2 },
+];
+
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    strands: usize,
+    steps: u32,
+    threads: usize,
+}
+
+impl std::fmt::Display for Run {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} strands, {} steps, {} threads", self.strands, self.steps, self.threads)
+    }
+}
+
+impl Run {
+    fn measure(self, bencher: Bencher<'_, '_>, steps: u32, mut work: impl FnMut() + Send) {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build().expect("a pool");
+        let items = self.strands as u64 * N_POINTS as u64 * u64::from(steps);
+        bencher.counter(ItemsCount::new(items)).bench_local(|| pool.install(&mut work));
+    }
+
+    fn simulate(self, bencher: Bencher<'_, '_>, steps: u32, options: SimOptions) {
+        let (scene, groom) = (mannequin(), wig(self.strands, N_POINTS));
+        let options = SimOptions {
+            rate_hz: RATE_HZ,
+            dt_secs: Some(1.0 / RATE_HZ),
+            duration_secs: Some(f64::from(steps) / RATE_HZ),
+            time: TimeMode::Loop,
+            ..options
+        };
+        self.measure(bencher, steps, || {
+            black_box(simulate(&WIND, &scene, &groom, &options, &NoProgress).expect("a sound world"));
+        });
+    }
+}
+
+#[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
+fn physical(bencher: Bencher<'_, '_>, run: Run) {
+    run.simulate(bencher, run.steps, SimOptions::of(Method::Physical));
+}
+
+#[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
+fn physical_single(bencher: Bencher<'_, '_>, run: Run) {
+    let options = SimOptions { precision: Precision::Single, ..SimOptions::of(Method::Physical) };
+    run.simulate(bencher, run.steps, options);
+}
+
+#[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
+fn paper(bencher: Bencher<'_, '_>, run: Run) {
+    run.simulate(bencher, run.steps, SimOptions::of(Method::Paper));
+}
+
+#[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
+fn prepare_physical(bencher: Bencher<'_, '_>, run: Run) {
+    run.simulate(bencher, 1, SimOptions::of(Method::Physical));
+}
+
+#[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
+fn prepare_paper(bencher: Bencher<'_, '_>, run: Run) {
+    run.simulate(bencher, 1, SimOptions::of(Method::Paper));
+}
+
+/// The field at the middle of every stick, at the time of every step.
+#[divan::bench(args = RUNS, max_time = 3, min_time = 1)]
+fn only_sampling(bencher: Bencher<'_, '_>, run: Run) {
+    let groom = wig(run.strands, N_POINTS);
+    let sampler = Sampler::new(&WIND, |_| false);
+    let points: Vec<[f32; 3]> = groom
+        .strands
+        .iter()
+        .flat_map(|s| s.rest_curve_m.windows(2).map(|p| ((p[0] + p[1]) / 2.0).map(|c| c as f32).into()))
+        .collect();
+    run.measure(bencher, run.steps, || {
+        for step in 0..run.steps {
+            let moment = sampler.at(f64::from(step) / RATE_HZ % WIND.end_secs(), run.strands > 120);
+            let sum = points.par_chunks(1024).map(|points| {
+                let sampled = points.iter().map(|p| Vec3::from(moment.sample(*p).map(f64::from)));
+                sampled.fold(Vec3::zeros(), |sum, u| sum + u)
+            });
+            black_box(sum.reduce(Vec3::zeros, |a, b| a + b));
+        }
+    });
+}
+
+/// What a point is made of in double precision: turn, place, velocity and bend now and a step ago.
+type State = [f64; 26];
+
+/// What a stick is made of and never changes.
+type Link = [f64; 10];
+
+/// Every point's state and stick read, and the state written, in every step.
+#[divan::bench(args = RUNS, max_time = 3, min_time = 1)]
+fn only_memory(bencher: Bencher<'_, '_>, run: Run) {
+    let n = run.strands * N_POINTS;
+    let links: Vec<Link> = vec![[1e-9; 10]; n];
+    let mut states: Vec<State> = vec![[1.0; 26]; n];
+    run.measure(bencher, run.steps, || {
+        for _ in 0..run.steps {
+            states.par_chunks_mut(1024).zip(links.par_chunks(1024)).for_each(|(states, links)| {
+                for (state, link) in states.iter_mut().zip(links) {
+                    let sum: f64 = link.iter().sum();
+                    state.iter_mut().for_each(|number| *number += sum);
+                }
+            });
+        }
+        black_box(&mut states);
+    });
+}
