@@ -2,11 +2,12 @@
 //!
 //!     cargo run --release -p tousle-bench --example true_wind -- CAPTURES [METHOD [STEPS_A_SECOND…]]
 //!
-//! One core with `RAYON_NUM_THREADS=1`. `INTEGRATOR=NAME` and `SINGLE=1` choose the others.
+//! One core with `RAYON_NUM_THREADS=1`. `INTEGRATOR=NAME` and `SINGLE=1` choose the others; `TORSO_GRIP_HEAD=1` lets
+//! the torso's surface go along with the head, as the engine behind these captures does.
 
 use std::path::Path;
 use tousle_bench::{CaptureFolder, sim_in_true_wind};
-use tousle_sim::{Integrator, Method, Precision, SimOptions};
+use tousle_sim::{Integrator, Method, Precision, SimOptions, TorsoGrip};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -17,6 +18,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rates = if rates.is_empty() { vec![30.0, 60.0, 120.0, 480.0] } else { rates };
     let integrator = std::env::var("INTEGRATOR").ok().and_then(|name| Integrator::from_name(&name));
     let precision = if std::env::var_os("SINGLE").is_some() { Precision::Single } else { Precision::Double };
+    let torso_grip = match std::env::var_os("TORSO_GRIP_HEAD") {
+        Some(_) => TorsoGrip::Head,
+        None => TorsoGrip::Torso,
+    };
     println!(
         "capture, steps a second, explained motion, median lock, mean mm, explained fluctuation, CPU s a s"
     );
@@ -28,6 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 dt_secs: Some(1.0 / rate),
                 integrator,
                 precision,
+                torso_grip,
                 ..SimOptions::of(method)
             };
             let judged = sim_in_true_wind(capture, &options)?;

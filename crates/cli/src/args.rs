@@ -339,6 +339,10 @@ pub struct SimulateArgs {
     /// The time code of the USD stage that meets the field's first step [default: the stage's first].
     #[arg(long, value_name = "CODE", requires = "head", allow_hyphen_values = true)]
     pub head_start: Option<f64>,
+    /// What hair on the shoulders rubs on when the head moves: the torso's surface, which stays; or one that goes
+    /// along with the head, as in engines that set a collider's place without its velocity.
+    #[arg(long, value_parser = parse_torso_grip, default_value = "torso", value_name = "torso|head")]
+    pub torso_grip: tousle_sim::TorsoGrip,
     /// What the wind does outside the field's span.
     #[arg(long, value_parser = parse_time, default_value = "once", value_name = "once|loop|hold")]
     pub time: tousle_sim::TimeMode,
@@ -498,6 +502,10 @@ fn parse_head_axes(text: &str) -> Result<tousle_usda::HeadAxes, String> {
 
 fn parse_axis(name: &str) -> Result<tousle_groom::Axis, String> {
     tousle_groom::Axis::from_name(name).ok_or_else(|| "expected x, y, z, -x, -y or -z".to_owned())
+}
+
+fn parse_torso_grip(name: &str) -> Result<tousle_sim::TorsoGrip, String> {
+    tousle_sim::TorsoGrip::from_name(name).ok_or_else(|| "expected torso or head".to_owned())
 }
 
 fn parse_time(name: &str) -> Result<tousle_sim::TimeMode, String> {

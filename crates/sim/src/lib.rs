@@ -19,7 +19,7 @@ mod timeline;
 
 pub use error::SimError;
 pub use integrator::Integrator;
-pub use options::{Method, Precision, SimOptions, TimeMode};
+pub use options::{Method, Precision, SimOptions, TimeMode, TorsoGrip};
 pub use report::{PlanEntry, SimReport, Simulation};
 
 use tousle_core::{Groom, Progress};

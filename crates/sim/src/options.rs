@@ -26,6 +26,8 @@ pub struct SimOptions {
     /// The shot's own head motion on the field's clock, in place of the capture's. Its world must have the same
     /// up axis as the scene's gravity. The torso faces where the head faces in the first pose.
     pub head: Option<PoseTrack>,
+    /// What hair that lies on a torso rubs on, when the head moves over it.
+    pub torso_grip: TorsoGrip,
 }
 
 /// Which equations move the strands.
@@ -62,6 +64,17 @@ pub enum TimeMode {
     Hold,
 }
 
+/// What hair that lies on a torso rubs on, when the head moves over it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TorsoGrip {
+    /// The torso's surface, which moves as the torso does.
+    #[default]
+    Torso,
+    /// A surface that is where the torso is at each time but has the head's velocity: so do engines that set a
+    /// collider's place without telling their contacts how it moves. For comparison with motions from such engines.
+    Head,
+}
+
 impl SimOptions {
     /// The step unless another is asked for, s. On the development captures the median strand is then 1 mm rms
     /// from where an endlessly small step would put it, a tenth of what the model itself is off; half the step
@@ -92,6 +105,7 @@ impl Default for SimOptions {
             start_secs: None,
             duration_secs: None,
             head: None,
+            torso_grip: TorsoGrip::default(),
         }
     }
 }
@@ -116,6 +130,21 @@ impl Method {
     /// The method of a name that [`Method::name`] gives.
     pub fn from_name(name: &str) -> Option<Self> {
         [Self::Paper, Self::Physical].into_iter().find(|m| m.name() == name)
+    }
+}
+
+impl TorsoGrip {
+    /// The name used on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Torso => "torso",
+            Self::Head => "head",
+        }
+    }
+
+    /// The grip of a name that [`TorsoGrip::name`] gives.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::Torso, Self::Head].into_iter().find(|grip| grip.name() == name)
     }
 }
 

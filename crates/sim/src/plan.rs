@@ -1,3 +1,4 @@
+use crate::TorsoGrip;
 use crate::report::PlanEntry;
 use crate::timeline::Timeline;
 use tousle_core::{Body, Quantity};
@@ -55,7 +56,7 @@ pub(crate) fn plan(
             "carried along the strand as the pull of what hangs further out; sticks do not stretch",
         ),
         collision(&scene.body, n_reaching),
-        friction(&scene.body, n_reaching),
+        friction(&scene.body, timeline, n_reaching),
         edits(field),
     ]
 }
@@ -120,13 +121,17 @@ fn collision(body: &Body, n_reaching: &[usize]) -> PlanEntry {
     }
 }
 
-fn friction(body: &Body, n_reaching: &[usize]) -> PlanEntry {
+fn friction(body: &Body, timeline: &Timeline<'_>, n_reaching: &[usize]) -> PlanEntry {
     if body.friction <= 0.0 {
         entry("friction", false, "the body's coefficient is 0")
     } else if n_reaching.iter().all(|n| *n == 0) {
         entry("friction", false, "nothing to rub on")
     } else {
-        entry("friction", true, format!("Coulomb, coefficient {}", body.friction))
+        let grip = match timeline.torso_grip() {
+            TorsoGrip::Torso => "",
+            TorsoGrip::Head => "; the torso's surface goes along with the head",
+        };
+        entry("friction", true, format!("Coulomb, coefficient {}{grip}", body.friction))
     }
 }
 

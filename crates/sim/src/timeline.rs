@@ -1,7 +1,7 @@
 use crate::plan::Terms;
-use crate::{SimError, SimOptions, TimeMode};
+use crate::{SimError, SimOptions, TimeMode, TorsoGrip};
 use nalgebra::Point3;
-use tousle_core::{HeadMotion, Pose, PoseTrack, Vec3};
+use tousle_core::{Attachment, HeadMotion, Pose, PoseTrack, Vec3};
 use tousle_field::{FieldSequence, FieldSlice, Scene};
 use tousle_rod::Surface;
 
@@ -12,6 +12,7 @@ pub(crate) struct Timeline<'a> {
     scene: &'a Scene,
     head: Head<'a>,
     time: TimeMode,
+    torso_grip: TorsoGrip,
     start_secs: f64,
     rate_hz: f64,
     /// Frames of the result, the first at the start.
@@ -44,8 +45,8 @@ pub(crate) struct StepScene<'a> {
     pub head: Option<HeadMotion>,
     /// The body's surfaces at the end of the step, in the body's order.
     pub surfaces: Vec<Surface>,
-    /// A point of the torso after the step to the same point before it, both in head space; `None` if the head
-    /// never moves.
+    /// A point of the torso's surface after the step to the same point before it, both in head space; `None` if it
+    /// does not move against the head.
     torso_before_from_after: Option<Pose>,
 }
 
@@ -103,6 +104,7 @@ impl<'a> Timeline<'a> {
             terms: Terms::new(field, scene, head.is_still),
             head,
             time: options.time,
+            torso_grip: options.torso_grip,
             start_secs,
             rate_hz: options.rate_hz,
             n_frames: n_frames as usize,
@@ -180,7 +182,8 @@ impl<'a> Timeline<'a> {
             gravity: head.world_from_head.rotation.inverse() * self.scene.gravity_world,
             head: moves.then_some(head),
             surfaces: Surface::of_body(&self.scene.body, &torso),
-            torso_before_from_after: moves.then(|| self.torso_at(begin) * torso.inverse()),
+            torso_before_from_after: (moves && self.torso_grip == TorsoGrip::Torso)
+                .then(|| self.torso_at(begin) * torso.inverse()),
         }
     }
 
@@ -194,9 +197,28 @@ impl<'a> Timeline<'a> {
         self.head.poses.motion_at(if wraps { self.wrapped(secs) } else { secs })
     }
 
+    /// How a surface moves over the ground at a time: the velocity of its point at the head's center, and what turns
+    /// it, head axes.
+    pub fn surface_motion(&self, head: &HeadMotion, attachment: Attachment) -> (Vec3, Vec3) {
+        match (attachment, self.torso_grip) {
+            (Attachment::Head, _) | (Attachment::Torso, TorsoGrip::Head) => {
+                (head.velocity, head.angular_velocity)
+            }
+            // The torso shares the pivot with the head and does not turn.
+            (Attachment::Torso, TorsoGrip::Torso) => {
+                (head.velocity + head.angular_velocity.cross(&self.scene.body.pivot_m), Vec3::zeros())
+            }
+        }
+    }
+
     /// Gravity, world axes, m/s².
     pub fn gravity_world(&self) -> Vec3 {
         self.scene.gravity_world
+    }
+
+    /// What hair on the torso rubs on.
+    pub fn torso_grip(&self) -> TorsoGrip {
+        self.torso_grip
     }
 
     /// What hair can touch.

@@ -61,6 +61,7 @@ fn options(args: &SimulateArgs, quantity: Quantity) -> SimOptions {
         precision: if args.single { Precision::Single } else { Precision::Double },
         dt_secs: args.dt_secs,
         time: args.time,
+        torso_grip: args.torso_grip,
         duration_secs: args.duration_secs,
         ..SimOptions::default()
     }

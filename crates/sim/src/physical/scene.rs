@@ -1,7 +1,7 @@
 use super::contact::MovingSurface;
 use crate::timeline::Timeline;
 use nalgebra::UnitQuaternion;
-use tousle_core::{Attachment, HeadMotion, Vec3};
+use tousle_core::{HeadMotion, Vec3};
 use tousle_field::{Moment, Sampler};
 use tousle_rod::Surface;
 
@@ -41,20 +41,10 @@ impl<'a> Now<'a> {
         let body = timeline.body();
         let torso = timeline.torso_at(secs);
         let moving = |(surface, collider): (Surface, &tousle_core::Collider)| {
-            let still = MovingSurface { surface, velocity: Vec3::zeros(), angular_velocity: Vec3::zeros() };
-            match (&head, collider.attachment) {
-                (None, _) => still,
-                (Some(head), Attachment::Head) => MovingSurface {
-                    velocity: head.velocity,
-                    angular_velocity: head.angular_velocity,
-                    ..still
-                },
-                // The torso shares the pivot with the head and does not turn.
-                (Some(head), Attachment::Torso) => MovingSurface {
-                    velocity: head.velocity + head.angular_velocity.cross(&body.pivot_m),
-                    ..still
-                },
-            }
+            let (velocity, angular_velocity) = head
+                .as_ref()
+                .map_or_else(Default::default, |head| timeline.surface_motion(head, collider.attachment));
+            MovingSurface { surface, velocity, angular_velocity }
         };
         let wind = timeline.wind_secs(secs).map(|secs| sampler.at(secs, together));
         Self {
