@@ -15,5 +15,5 @@ mod turn;
 pub use contact::{Gap, Surface, SurfaceShape};
 pub use drag::{Drag, DragLaw};
 pub use lock::Lock;
-pub use rest::{Bearing, Rest, Touch, Twist, joint_torques, rest_state};
+pub use rest::{Bearing, Likely, Rest, Touch, Twist, joint_torques, rest_state};
 pub use turn::{shortest_rotation, shortest_turn, turned};

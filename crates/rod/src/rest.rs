@@ -1,6 +1,7 @@
 use crate::contact::Surface;
 use crate::lock::Lock;
 use crate::nnls::nonnegative_least_squares;
+use crate::turn::{any_perpendicular, shortest_turn};
 use nalgebra::{DMatrix, DVector};
 use tousle_core::{Body, Pose, Vec3};
 
@@ -77,6 +78,28 @@ pub struct Bearing {
     pub stick: usize,
     /// The force away from the collider, N, > 0.
     pub force_n: f64,
+    /// The force along its surface, N, head axes: friction that holds the lock where it was laid.
+    pub rub_n: Vec3,
+}
+
+/// What is taken to be likely of a lock that hangs still, where its rest curve leaves it open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Likely {
+    /// What its joints do against twist.
+    pub twist: Twist,
+    /// How near it must be to the body to be borne.
+    pub touch: Touch,
+    /// Coulomb's coefficient up to which the body holds it along its surface, ≥ 0.
+    pub friction: f64,
+    /// How much a natural shape that is nearly straight counts beside joints that hold little, 0 to 1.
+    pub straightness: f64,
+}
+
+impl Likely {
+    /// A lock whose joints hold as little as can be, on a smooth body, near by its own width.
+    pub fn smooth(lock: &Lock, twist: Twist) -> Self {
+        Self { twist, touch: Touch::by_width(lock), friction: 0.0, straightness: 0.0 }
+    }
 }
 
 /// Contacts a lock may have before every second, third … is left out of the search for what bears it.
@@ -86,31 +109,46 @@ const MAX_CANDIDATES: usize = 64;
 ///
 /// A rest curve alone does not say how much of the weight the hair holds by itself and how much lies on the
 /// head: any force of the body that pushes outwards is possible wherever hair touches it. Of all of them the
-/// one is taken that leaves the joints the least elastic energy, as if the hair had been laid down, not
-/// pressed. A point may be borne where it is as near as `touch` says.
-pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body, twist: Twist, touch: Touch) -> Rest {
+/// one is taken that leaves the least of two energies, shared out by `likely.straightness` s: what the joints
+/// hold, Σ T²/k, as if the hair had been laid down, not pressed; and what it would take to straighten the natural
+/// shape, Σ k (c + T/k)², c being the bend at rest. Their weighted sum is least where Σ (T + s k c)²/k is.
+pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body, likely: &Likely) -> Rest {
+    let Likely { twist, touch, friction, straightness } = *likely;
     let surfaces = Surface::of_body(body, &Pose::identity());
     let n = lock.n_sticks();
     let mut ends_m = vec![Vec3::zeros(); n];
     lock.place(&lock.rest_directions, &mut ends_m);
-    let candidates = candidates(&ends_m, &surfaces, touch.within_m);
+    let candidates = candidates(lock, &ends_m, &surfaces, touch.within_m, friction);
     let weight: Vec<Vec3> = lock.masses_kg.iter().map(|m| gravity * *m).collect();
     let weight_torques = joint_torques(lock, &weight, twist);
     let unit_torques: Vec<Vec<Vec3>> = candidates
         .iter()
         .map(|c| {
             let mut push = vec![Vec3::zeros(); n];
-            push[c.stick] = c.normal;
+            push[c.stick] = c.normal + c.along;
             joint_torques(lock, &push, twist)
         })
         .collect();
-    let forces = bearing_forces(lock, &weight_torques, &unit_torques);
+    let wished: Vec<Vec3> = weight_torques
+        .iter()
+        .enumerate()
+        .map(|(j, torque)| torque + rest_bend(lock, j) * (straightness * lock.joint_stiffness[j]))
+        .collect();
+    let forces = bearing_forces(lock, &wished, &unit_torques);
     let mut torques = weight_torques;
-    let mut bearings = Vec::new();
+    let mut bearings: Vec<Bearing> = Vec::new();
     for ((candidate, unit), force_n) in candidates.iter().zip(&unit_torques).zip(forces) {
         if force_n > 0.0 {
-            bearings.push(Bearing { collider: candidate.collider, stick: candidate.stick, force_n });
+            let Candidate { collider, stick, along, .. } = *candidate;
             torques.iter_mut().zip(unit).for_each(|(sum, t)| *sum += t * force_n);
+            // The ways in which one point may be borne follow one another.
+            match bearings.last_mut().filter(|b| b.collider == collider && b.stick == stick) {
+                Some(bearing) => {
+                    bearing.force_n += force_n;
+                    bearing.rub_n += along * force_n;
+                }
+                None => bearings.push(Bearing { collider, stick, force_n, rub_n: along * force_n }),
+            }
         }
     }
     let clearances_m = clearances(&ends_m, &surfaces, &bearings, touch.radius_m);
@@ -138,27 +176,54 @@ pub fn joint_torques(lock: &Lock, forces: &[Vec3], twist: Twist) -> Vec<Vec3> {
     torques
 }
 
+/// The bend of a joint at rest, a rotation vector, head axes. The joint at the root is straight as it grows.
+fn rest_bend(lock: &Lock, joint: usize) -> Vec3 {
+    let directions = &lock.rest_directions;
+    if joint == 0 { Vec3::zeros() } else { shortest_turn(directions[joint - 1], directions[joint]) }
+}
+
+/// A way in which a point may be borne: by 1 N outwards, and what friction adds to it along the surface.
 struct Candidate {
     collider: usize,
     stick: usize,
     normal: Vec3,
+    along: Vec3,
 }
 
-fn candidates(ends_m: &[Vec3], surfaces: &[Surface], within_m: f64) -> Vec<Candidate> {
-    let mut found = Vec::new();
+/// With friction, each point may be borne in four ways: the edges of a pyramid within Coulomb's cone.
+fn candidates(
+    lock: &Lock,
+    ends_m: &[Vec3],
+    surfaces: &[Surface],
+    within_m: f64,
+    friction: f64,
+) -> Vec<Candidate> {
+    let mut points = Vec::new();
     for (collider, surface) in surfaces.iter().enumerate() {
         for (stick, end) in ends_m.iter().enumerate() {
             if let Some(gap) = surface.gap_within(*end, within_m) {
-                found.push(Candidate { collider, stick, normal: gap.normal });
+                points.push((collider, stick, gap.normal));
             }
         }
     }
-    let stride = found.len().div_ceil(MAX_CANDIDATES).max(1);
-    found.into_iter().step_by(stride).collect()
+    let stride = points.len().div_ceil(MAX_CANDIDATES).max(1);
+    let ways = |(collider, stick, normal): (usize, usize, Vec3)| {
+        let across = across(normal, lock.rest_directions[stick]) * friction;
+        let beside = across.cross(&normal);
+        let edges = if friction > 0.0 { vec![across, -across, beside, -beside] } else { vec![across] };
+        edges.into_iter().map(move |along| Candidate { collider, stick, normal, along })
+    };
+    points.into_iter().step_by(stride).flat_map(ways).collect()
 }
 
-/// The forces ≥ 0 that leave the least Σ torque²/stiffness.
-fn bearing_forces(lock: &Lock, weight: &[Vec3], units: &[Vec<Vec3>]) -> Vec<f64> {
+/// A unit vector along a surface, across the stick that lies on it.
+fn across(normal: Vec3, direction: Vec3) -> Vec3 {
+    let across = direction.cross(&normal);
+    if across.norm() > 1e-3 { across.normalize() } else { any_perpendicular(normal) }
+}
+
+/// The forces ≥ 0 that leave the least Σ torque²/stiffness, with those that are there without them.
+fn bearing_forces(lock: &Lock, without: &[Vec3], units: &[Vec<Vec3>]) -> Vec<f64> {
     if units.is_empty() {
         return Vec::new();
     }
@@ -169,7 +234,7 @@ fn bearing_forces(lock: &Lock, weight: &[Vec3], units: &[Vec<Vec3>]) -> Vec<f64>
         a.iter().zip(b).zip(&softness).map(|((a, b), soft)| a.dot(b) * soft).sum()
     };
     let g = DMatrix::from_fn(units.len(), units.len(), |r, c| dot(&units[r], &units[c]));
-    let b = DVector::from_fn(units.len(), |r, _| -dot(&units[r], weight));
+    let b = DVector::from_fn(units.len(), |r, _| -dot(&units[r], without));
     nonnegative_least_squares(&g, &b).iter().copied().collect()
 }
 
@@ -204,7 +269,7 @@ mod tests {
     #[test]
     fn a_cantilever_holds_the_moment_of_its_weight() {
         let lock = Lock::new(&straight(Vec3::zeros(), Vec3::x(), 0.2, 4));
-        let rest = rest_state(&lock, DOWN, &Body::none(), Twist::Free, Touch::by_width(&lock));
+        let rest = rest_state(&lock, DOWN, &Body::none(), &Likely::smooth(&lock, Twist::Free));
         // At the clamp: 1 g/m · 9.81 · 0.2²/2 about y. Half masses at the ends make it exact.
         let expected = 1e-3 * 9.81 * 0.2 * 0.2 / 2.0;
         assert!((rest.torques[0].norm() / expected - 1.0).abs() < 1e-12, "{}", rest.torques[0]);
@@ -223,7 +288,7 @@ mod tests {
             ..Body::none()
         };
         let lock = Lock::new(&straight(Vec3::zeros(), Vec3::x(), 0.2, 10));
-        let rest = rest_state(&lock, DOWN, &body, Twist::Free, Touch::by_width(&lock));
+        let rest = rest_state(&lock, DOWN, &body, &Likely::smooth(&lock, Twist::Free));
         let borne: f64 = rest.bearings.iter().map(|b| b.force_n).sum();
         let weight = lock.masses_kg.iter().sum::<f64>() * 9.81;
         assert!((borne / weight - 1.0).abs() < 1e-3, "{borne} of {weight}");

@@ -61,7 +61,7 @@ pub fn turned(vector: Vec3, turn: Vec3) -> Vec3 {
 }
 
 /// A unit vector at right angles to a vector.
-fn any_perpendicular(vector: Vec3) -> Vec3 {
+pub(crate) fn any_perpendicular(vector: Vec3) -> Vec3 {
     let axis = if vector.x.abs() < 0.6 * vector.norm() { Vec3::x() } else { Vec3::y() };
     vector.cross(&axis).normalize()
 }

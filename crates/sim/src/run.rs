@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tousle_core::{Assumption, Attachment, Groom, Pose, Progress, StrandMotion, Vec3};
 use tousle_field::{FieldSequence, Scene};
-use tousle_rod::{DragLaw, Lock, Rest, Surface, Touch, Twist, rest_state};
+use tousle_rod::{DragLaw, Likely, Lock, Rest, Surface, Twist, rest_state};
 
 /// Steps that a strand runs before the next one's turn: enough to spread the cost of preparing what the world
 /// does, few enough that it is prepared in little memory and progress is seen.
@@ -96,7 +96,7 @@ fn prepare<'a>(scene: &Scene, groom: &'a Groom, timeline: &Timeline<'_>) -> Vec<
     let surfaces = Surface::of_body(&scene.body, &Pose::identity());
     let prepare = |strand: &'a tousle_core::Strand| {
         let lock = Lock::new(strand);
-        let rest = rest_state(&lock, gravity, &scene.body, Twist::Free, Touch::by_width(&lock));
+        let rest = rest_state(&lock, gravity, &scene.body, &Likely::smooth(&lock, Twist::Free));
         let touchable = touchable(scene, timeline, &surfaces, &lock, &rest);
         let deepest_m = -rest.clearances_m.iter().copied().fold(0.0, f64::min);
         let strand_in_motion = PaperStrand::new(lock, &rest, &touchable);

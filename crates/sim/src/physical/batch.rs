@@ -29,11 +29,6 @@ impl Model {
         let steps = 180.0 * h_secs;
         f64::max((3e-5 * steps * steps).clamp(1e-10, 1e-4), self.resolution_m)
     }
-
-    /// The same without friction.
-    pub fn without_friction(self) -> Self {
-        Self { friction: 0.0, ..self }
-    }
 }
 
 /// Strands that are stepped together, one a lane.
@@ -54,8 +49,8 @@ pub(crate) struct Batch<L> {
     pub links: Vec<Link<L>>,
     pub states: Vec<State<L>>,
     pub touchable: Vec<Touchable<L>>,
-    /// Mass that a contact's spring is made for, kg.
-    pub contact_mass: L,
+    /// Spring of a contact, N/m.
+    pub contact_stiffness: L,
     /// Whether nothing has moved yet.
     pub at_rest: bool,
     pub count: Count,

@@ -101,15 +101,15 @@ pub(crate) fn build<L: Lane>(strands: &[(usize, &Prepared)], law: &DragLaw, n_co
         links,
         states,
         touchable,
-        contact_mass: L::from_fn(|lane| contact_mass(&of(lane).lock)),
+        contact_stiffness: L::from_fn(|lane| contact_stiffness(&of(lane).lock)),
         at_rest: true,
         count: Count::default(),
     }
 }
 
-/// The mean mass of a lock's points, kg.
-fn contact_mass(lock: &Lock) -> f64 {
-    lock.masses_kg.iter().sum::<f64>() / lock.n_sticks() as f64
+/// Spring of a contact, N/m: [`CONTACT_RATE`] for the mean mass of the lock's points.
+fn contact_stiffness(lock: &Lock) -> f64 {
+    lock.masses_kg.iter().sum::<f64>() / lock.n_sticks() as f64 * CONTACT_RATE * CONTACT_RATE
 }
 
 fn state_at_rest<'a, L: Lane>(stick: usize, of: &impl Fn(usize) -> &'a Prepared) -> State<L> {
@@ -164,12 +164,16 @@ fn touchable<'a, L: Lane>(
         let borne = p.rest.bearings.iter().find(|b| b.collider == collider && b.stick == stick);
         borne.map_or(0.0, |b| b.force_n)
     };
+    let slip = |p: &Prepared, stick: usize| {
+        let borne = p.rest.bearings.iter().find(|b| b.collider == collider && b.stick == stick);
+        borne.map_or(Vec3::zeros(), |b| -b.rub_n / contact_stiffness(&p.lock))
+    };
     let limit = |p: &Prepared, stick: usize| {
         if stick >= p.lock.n_sticks() || !p.reaches.contains(&collider) {
             return f64::NEG_INFINITY;
         }
         let clearance_m = p.rest.clearances_m[collider * p.lock.n_sticks() + stick];
-        limit_m(clearance_m, bearing_n(p, stick), contact_mass(&p.lock) * CONTACT_RATE * CONTACT_RATE)
+        limit_m(clearance_m, bearing_n(p, stick), contact_stiffness(&p.lock))
     };
     let each = |f: &dyn Fn(&Prepared, usize) -> f64| -> Vec<L> {
         (0..n).map(|stick| L::from_fn(|lane| f(of(lane), stick))).collect()
@@ -178,6 +182,7 @@ fn touchable<'a, L: Lane>(
         collider,
         limits_m: each(&limit),
         pushes: each(&bearing_n),
+        slips: (0..n).map(|stick| Vector::from_fn(|lane| slip(of(lane), stick))).collect(),
         near: Vec::with_capacity(n),
     })
 }

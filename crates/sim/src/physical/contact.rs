@@ -15,6 +15,9 @@ pub(crate) struct Touchable<L> {
     pub limits_m: Vec<L>,
     /// With which force the surface bore each point at the end of the last step, N: what friction goes by.
     pub pushes: Vec<L>,
+    /// How far each point has slid from where the surface would hold it without effort, m, head axes: friction is the
+    /// spring that pulls it back.
+    pub slips: Vec<Vector<L>>,
     /// Sticks whose ends may touch in this step, with their limits; minus infinity for strands whose own may not.
     pub near: Vec<(usize, L)>,
 }
@@ -27,12 +30,27 @@ pub(crate) struct MovingSurface {
     pub velocity: Vec3,
     /// What turns it, head axes, rad/s.
     pub angular_velocity: Vec3,
+    /// Whether it keeps its place in the head's axes.
+    pub is_heads: bool,
+}
+
+/// How the velocity of a point hangs on its place, and how hard what it touches is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Firmness<L> {
+    /// Spring of a contact, N/m.
+    pub stiffness: L,
+    /// Change of velocity for a change of place, 1/s.
+    pub per_h: L,
+    /// For how long a point goes on sliding before its friction is felt, s: the step, or nothing for an explicit one.
+    pub dt: L,
 }
 
 /// What a surface does to a point: the gradient of its potential and its second derivative.
 pub(super) struct Bearing<L> {
     /// Force outwards, N.
     pub push: L,
+    /// How far it has slid then ([`Touchable::slips`]).
+    pub slip: Vector<L>,
     pub slope: Vector<L>,
     pub hessian: Symmetric<L>,
 }
@@ -47,9 +65,8 @@ pub(super) const CONTACT_RATE: f64 = 200.0;
 /// it the search for what touches goes round in circles.
 pub(super) const FRINGE_M: f64 = 5e-4;
 
-/// Slower than this along a surface, m/s, friction grows with the speed instead of being whole: what is held by
-/// friction alone creeps by less than 0.2 mm in a second.
-const CREEP: f64 = 2e-4;
+/// Damping of what is held by friction, over its stiffness, s: critical.
+const RUB_SECS: f64 = 2.0 / CONTACT_RATE;
 
 /// How deep a spring must be pressed to push with a force of `give` times its stiffness, m.
 pub(super) fn depth_of(give_m: f64) -> f64 {
@@ -96,12 +113,35 @@ impl<L: Lane> Touchable<L> {
             let smallest = room.smallest();
             if smallest <= 0.0 || smallest.is_nan() {
                 self.near.push((stick, room.above(L::zero(), never, *limit)));
+            } else {
+                self.pushes[stick] = L::zero();
+                self.slips[stick] = Vector::zero();
             }
+        }
+    }
+
+    /// Keeps what friction goes by in the next step. `at`: place and velocity of a stick's end at this one's end.
+    #[inline(always)]
+    pub fn remember(
+        &mut self,
+        model: &Model,
+        moving: &MovingSurface,
+        at: impl Fn(usize) -> (Vector<L>, Vector<L>),
+        firmness: Firmness<L>,
+    ) {
+        for k in 0..self.near.len() {
+            let near = self.near[k];
+            let bearing = bear(model, self, near, moving, at(near.0), firmness);
+            self.pushes[near.0] = bearing.push;
+            self.slips[near.0] = bearing.slip;
         }
     }
 }
 
-/// The force of a surface on the end of a stick at a place and velocity. `stiffness` in N/m; `per_h`: how velocity changes with place, 1/s.
+/// The force of a surface on the end of a stick at a place and velocity.
+///
+/// Friction is elastic up to Coulomb's limit and plastic beyond, as in bristle models (Dahl 1968, "A solid friction
+/// model"): what is held stays where it is for ever, and what hangs on it from the start is in balance.
 #[inline(always)]
 pub(super) fn bear<L: Lane>(
     model: &Model,
@@ -109,8 +149,7 @@ pub(super) fn bear<L: Lane>(
     (stick, limit_m): (usize, L),
     moving: &MovingSurface,
     (place, velocity): (Vector<L>, Vector<L>),
-    stiffness: L,
-    per_h: L,
+    Firmness { stiffness, per_h, dt }: Firmness<L>,
 ) -> Bearing<L> {
     let (gap, normal) = gaps(&moving.surface, place);
     let depth = (limit_m - gap).max(L::zero());
@@ -127,19 +166,26 @@ pub(super) fn bear<L: Lane>(
     let rise = push.above(L::zero(), stiffness * share + dashpot * per_h, L::zero());
     let mut hessian = Symmetric::zero();
     let mut slope = -(normal * push);
-    if model.friction > 0.0 {
-        // Friction goes by the push a step ago, so that it does not wait for a push that waits for it.
-        let along = relative - normal * leaving;
-        let speed = along.norm_squared().sqrt().max(L::splat(CREEP));
-        let held = depth.above(L::zero(), touchable.pushes[stick], L::zero());
-        let rub = held * L::splat(model.friction) / speed;
-        slope += along * rub;
-        hessian.add_identity(rub * per_h);
-        hessian.add_outer(normal, rise - rub * per_h);
-    } else {
+    if model.friction == 0.0 {
         hessian.add_outer(normal, rise);
+        return Bearing { push, slip: Vector::zero(), slope, hessian };
     }
-    Bearing { push, slope, hessian }
+    // The limit goes by the push a step ago, so that friction does not wait for a push that waits for it.
+    let held = depth.above(L::zero(), touchable.pushes[stick], L::zero());
+    let limit = held * L::splat(model.friction) / stiffness;
+    let along = relative - normal * leaving;
+    let before = touchable.slips[stick];
+    let slip = before - normal * before.dot(normal) + along * dt;
+    let pull = slip + along * L::splat(RUB_SECS);
+    let tiny = L::splat(1e-12);
+    let share = (limit / pull.norm_squared().sqrt().max(tiny)).min(L::one());
+    let rub = stiffness * share;
+    slope += pull * rub;
+    let rub_rise = rub * (dt + L::splat(RUB_SECS)) * per_h;
+    hessian.add_identity(rub_rise);
+    hessian.add_outer(normal, rise - rub_rise);
+    let slip = slip * (limit / slip.norm_squared().sqrt().max(tiny)).min(L::one());
+    Bearing { push, slip, slope, hessian }
 }
 
 /// How near a point may come before it is pushed, from how near it lies at rest and what bears it there.

@@ -4,7 +4,7 @@
 //! solved by the sweeps of [`super::newton`], with masses where an implicit step has derivatives.
 
 use super::batch::{Batch, Model};
-use super::contact::bear;
+use super::contact::{Firmness, bear};
 use super::drag::push;
 use super::link::Work;
 use super::newton::{bend_joints, place_sticks, sweep_inwards, sweep_outwards};
@@ -73,7 +73,7 @@ impl<L: Lane> Batch<L> {
             *spin += *acceleration * dt;
             *turn = turned(*turn, (*spin - head) * dt);
         }
-        self.take(swing, work);
+        self.take(swing, work, model, now, dt_secs);
     }
 
     /// One step of the classical Runge-Kutta method. `now`: the world at the step's start, middle and end.
@@ -101,7 +101,7 @@ impl<L: Lane> Batch<L> {
             swing.turns[j] = turned(swing.turns[j], by - twist);
             swing.spins[j] += mean(&|k| k.accelerations[j]);
         }
-        self.take(swing, work);
+        self.take(swing, work, model, now[2], dt_secs);
     }
 
     /// Newton's and Euler's law at a swing. With `implicit_secs` above 0, damping and resistance count as they will be
@@ -182,24 +182,26 @@ impl<L: Lane> Batch<L> {
                 }
             }
         }
-        let stiffness = self.contact_stiffness();
+        let firmness = Firmness { stiffness: self.contact_stiffness, per_h: L::one(), dt: L::zero() };
         for touchable in &mut self.touchable {
             let moving = &now.surfaces[touchable.collider];
             touchable.look(&moving.surface, work.iter().map(|w| w.place), L::zero());
-            for k in 0..touchable.near.len() {
-                let near = touchable.near[k];
+            for &near in &touchable.near {
                 let work = &mut work[near.0];
-                let bearing =
-                    bear(model, touchable, near, moving, (work.place, work.drifting), stiffness, L::one());
+                let bearing = bear(model, touchable, near, moving, (work.place, work.drifting), firmness);
                 work.slope += bearing.slope;
                 work.hessian.add_scaled(&bearing.hessian, later);
-                touchable.pushes[near.0] = bearing.push;
             }
         }
     }
 
-    /// Where the swing has come to is where the strands are.
-    fn take(&mut self, swing: &Swing<L>, work: &mut [Work<L>]) {
+    /// Where the swing has come to is where the strands are. `now`: the world at the step's end.
+    fn take(&mut self, swing: &Swing<L>, work: &mut [Work<L>], model: &Model, now: &Now<'_>, dt_secs: f64) {
+        let firmness = Firmness { stiffness: self.contact_stiffness, per_h: L::one(), dt: L::splat(dt_secs) };
+        for touchable in &mut self.touchable {
+            let moving = &now.surfaces[touchable.collider];
+            touchable.remember(model, moving, |stick| (work[stick].place, work[stick].drifting), firmness);
+        }
         for (work, turn) in work.iter_mut().zip(&swing.turns) {
             work.turn = *turn;
         }

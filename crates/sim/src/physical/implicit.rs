@@ -1,7 +1,6 @@
 //! Implicit steps: a multistep formula, and Newton's method for what it asks.
 
 use super::batch::{Batch, Model};
-use super::contact::bear;
 use super::link::Work;
 use super::newton::{Weights, bend_joints, place_sticks, sweep_inwards, sweep_outwards};
 use super::scene::{Carry, Now};
@@ -74,9 +73,9 @@ impl<L: Lane> Batch<L> {
         }
         self.at_rest = false;
         if let Some(carry) = carry {
-            self.carry(carry);
+            self.carry(carry, now);
         }
-        let weights = Weights::new(formula.h_secs);
+        let weights = Weights::new(formula.dt_secs, formula.h_secs);
         self.prepare(work, &weights, formula);
         place_sticks(self.root, &self.links, work);
         self.feel_wind(work, model, now);
@@ -116,7 +115,7 @@ impl<L: Lane> Batch<L> {
     }
 
     /// Takes what was into the head's axes at the step's end.
-    fn carry(&mut self, carry: &Carry) {
+    fn carry(&mut self, carry: &Carry, now: &Now<'_>) {
         if carry.is_cut {
             // The hair goes along, with the shape and the velocities it had, as the head sees them.
             return;
@@ -131,6 +130,11 @@ impl<L: Lane> Batch<L> {
             state.place_before = turn.rotate(state.place_before) + shift;
             state.velocity = turn.rotate(state.velocity);
             state.velocity_before = turn.rotate(state.velocity_before);
+        }
+        for touchable in &mut self.touchable {
+            if !now.surfaces[touchable.collider].is_heads {
+                touchable.slips.iter_mut().for_each(|slip| *slip = turn.rotate(*slip));
+            }
         }
     }
 
@@ -205,26 +209,11 @@ impl<L: Lane> Batch<L> {
 
     #[inline(always)]
     fn finish(&mut self, work: &[Work<L>], model: &Model, now: &Now<'_>, weights: &Weights<L>) {
-        let stiffness = self.contact_stiffness();
+        let firmness = self.firmness(weights);
         for touchable in &mut self.touchable {
-            let surface = &now.surfaces[touchable.collider];
-            let mut pushes = core::mem::take(&mut touchable.pushes);
-            pushes.iter_mut().for_each(|push| *push = L::zero());
-            for &near in &touchable.near {
-                let work = &work[near.0];
-                let (place, velocity) = (work.place, (work.place - work.from) * weights.per_h);
-                let bearing = bear(
-                    &model.without_friction(),
-                    touchable,
-                    near,
-                    surface,
-                    (place, velocity),
-                    stiffness,
-                    weights.per_h,
-                );
-                pushes[near.0] = bearing.push;
-            }
-            touchable.pushes = pushes;
+            let moving = &now.surfaces[touchable.collider];
+            let velocity = |work: &Work<L>| (work.place - work.from) * weights.per_h;
+            touchable.remember(model, moving, |stick| (work[stick].place, velocity(&work[stick])), firmness);
         }
         let mut before = self.root_turn;
         for (state, work) in self.states.iter_mut().zip(work) {

@@ -7,7 +7,7 @@
 //! the air and the surfaces at the step's end in it.
 
 use super::batch::{Batch, Model};
-use super::contact::{CONTACT_RATE, bear};
+use super::contact::{Firmness, bear};
 use super::drag::push;
 use super::link::{Link, Work};
 use super::scene::Now;
@@ -16,15 +16,21 @@ use crate::lane::{Lane, Matrix, Symmetric, Turn, Vector};
 /// How velocity hangs on place at a step's end: velocity = (place − from) / h.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Weights<L> {
+    pub dt: L,
     pub h: L,
     pub per_h: L,
     pub per_h2: L,
 }
 
 impl<L: Lane> Weights<L> {
-    pub fn new(h_secs: f64) -> Self {
+    pub fn new(dt_secs: f64, h_secs: f64) -> Self {
         let per_h = 1.0 / h_secs;
-        Self { h: L::splat(h_secs), per_h: L::splat(per_h), per_h2: L::splat(per_h * per_h) }
+        Self {
+            dt: L::splat(dt_secs),
+            h: L::splat(h_secs),
+            per_h: L::splat(per_h),
+            per_h2: L::splat(per_h * per_h),
+        }
     }
 }
 
@@ -82,23 +88,22 @@ impl<L: Lane> Batch<L> {
                 work.slope -= work.wind * link.mass;
             }
         }
-        let stiffness = self.contact_stiffness();
+        let firmness = self.firmness(weights);
         for touchable in &self.touchable {
             let surface = &now.surfaces[touchable.collider];
             for &near in &touchable.near {
                 let work = &mut work[near.0];
                 let velocity = (work.place - work.from) * weights.per_h;
-                let bearing =
-                    bear(model, touchable, near, surface, (work.place, velocity), stiffness, weights.per_h);
+                let bearing = bear(model, touchable, near, surface, (work.place, velocity), firmness);
                 work.slope += bearing.slope;
                 work.hessian.add_scaled(&bearing.hessian, L::one());
             }
         }
     }
 
-    /// Stiffness of a contact, N/m.
-    pub(super) fn contact_stiffness(&self) -> L {
-        self.contact_mass * L::splat(CONTACT_RATE * CONTACT_RATE)
+    /// How hard contacts are in an implicit step.
+    pub(super) fn firmness(&self, weights: &Weights<L>) -> Firmness<L> {
+        Firmness { stiffness: self.contact_stiffness, per_h: weights.per_h, dt: weights.dt }
     }
 
     /// The velocity over the ground of the place where the strands grow, head axes, m/s.

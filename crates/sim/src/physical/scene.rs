@@ -1,7 +1,7 @@
 use super::contact::MovingSurface;
 use crate::timeline::Timeline;
 use nalgebra::UnitQuaternion;
-use tousle_core::{HeadMotion, Vec3};
+use tousle_core::{Attachment, HeadMotion, Vec3};
 use tousle_field::{Moment, Sampler};
 use tousle_rod::Surface;
 
@@ -44,7 +44,8 @@ impl<'a> Now<'a> {
             let (velocity, angular_velocity) = head
                 .as_ref()
                 .map_or_else(Default::default, |head| timeline.surface_motion(head, collider.attachment));
-            MovingSurface { surface, velocity, angular_velocity }
+            let is_heads = head.is_none() || collider.attachment == Attachment::Head;
+            MovingSurface { surface, velocity, angular_velocity, is_heads }
         };
         let wind = timeline.wind_secs(secs).map(|secs| sampler.at(secs, together));
         Self {

@@ -1,7 +1,6 @@
 //! How long a step the explicit integrators stand.
 
 use super::batch::Batch;
-use super::contact::CONTACT_RATE;
 use super::link::Work;
 use crate::lane::Lane;
 
@@ -35,11 +34,8 @@ pub(crate) fn limit<L: Lane>(
         let bending = stiffest.get(lane);
         // A stick under a pull is a pendulum; a contact a spring made for the mean point.
         let swing = pull / shortest * batch.links.len() as f64;
-        let touch = if batch.touchable.is_empty() {
-            0.0
-        } else {
-            CONTACT_RATE * CONTACT_RATE * batch.contact_mass.get(lane) / lightest
-        };
+        let touch =
+            if batch.touchable.is_empty() { 0.0 } else { batch.contact_stiffness.get(lane) / lightest };
         let frequency = (bending * bending + swing + touch).sqrt();
         let dt_secs = if damping_is_explicit {
             let damping = batch.links.iter().map(|l| l.damping_secs.get(lane)).fold(0.0, f64::max);
