@@ -38,11 +38,16 @@ enum Source<'a> {
     Together(Vec<[f32; 4]>),
 }
 
-/// Voxels around a point, their weights, and how much of the wind there is that outside the grid.
-struct Corners {
-    flats: [usize; 8],
-    weights: [f32; 8],
-    far: f32,
+/// How many points are looked up side by side.
+const WIDTH: usize = 8;
+
+/// Where some points lie in the grid: the voxels around each, their weights, and how much of the wind there is that
+/// outside the grid.
+struct Places {
+    /// Corner after corner, the last axis fastest.
+    flats: [[u32; WIDTH]; 8],
+    weights: [[f32; WIDTH]; 8],
+    far: [f32; WIDTH],
 }
 
 impl<'a> Sampler<'a> {
@@ -119,60 +124,65 @@ impl<'a> Sampler<'a> {
             .collect()
     }
 
-    #[inline]
-    fn corners(&self, point_m: [f32; 3]) -> Corners {
+    /// Where points lie in the grid.
+    #[inline(always)]
+    fn places(&self, points_m: &[[f32; 3]; WIDTH]) -> Places {
         let GridSpec { dims, .. } = self.sequence.grid;
         let strides = [dims[1] * dims[2], dims[2], 1];
-        let mut low = 0;
-        let mut step = [0; 3];
-        let mut share = [0.0; 3];
-        let mut beyond2 = 0.0;
+        let mut low = [0; WIDTH];
+        let mut steps = [[0; WIDTH]; 3];
+        let mut shares = [[0.0; WIDTH]; 3];
+        let mut beyond2 = [0.0f32; WIDTH];
         for axis in 0..3 {
-            let place = (point_m[axis] - self.origin[axis]) * self.per_edge;
-            let size = dims[axis] as f32;
-            let beyond = (-place).max(place - size).max(0.0);
-            beyond2 += beyond * beyond;
-            let last = dims[axis] - 1;
-            let at = (place - 0.5).clamp(0.0, last as f32);
-            let voxel = (at as usize).min(last);
-            share[axis] = at - voxel as f32;
-            low += voxel * strides[axis];
-            step[axis] = if voxel < last { strides[axis] } else { 0 };
+            let (size, last) = (dims[axis] as f32, dims[axis] - 1);
+            for k in 0..WIDTH {
+                let place = (points_m[k][axis] - self.origin[axis]) * self.per_edge;
+                let beyond = larger(larger(-place, place - size), 0.0);
+                beyond2[k] += beyond * beyond;
+                let at = smaller(larger(place - 0.5, 0.0), last as f32);
+                let voxel = floor_index(at);
+                shares[axis][k] = at - voxel as f32;
+                low[k] += voxel * strides[axis] as u32;
+                steps[axis][k] = if voxel < last as u32 { strides[axis] as u32 } else { 0 };
+            }
         }
-        let far = if beyond2 > 0.0 {
-            let far = beyond2.sqrt() / (self.per_edge * self.fades_over);
-            // A NaN counts as far away.
-            if far < 1.0 { far } else { 1.0 }
-        } else {
-            0.0
-        };
-        let [x, y, z] = share;
-        let (x0, y0, z0) = (1.0 - x, 1.0 - y, 1.0 - z);
-        let [sx, sy, sz] = step;
-        Corners {
-            flats: [
-                low,
-                low + sz,
-                low + sy,
-                low + sy + sz,
-                low + sx,
-                low + sx + sz,
-                low + sx + sy,
-                low + sx + sy + sz,
-            ],
-            weights: [
-                x0 * y0 * z0,
-                x0 * y0 * z,
-                x0 * y * z0,
-                x0 * y * z,
-                x * y0 * z0,
-                x * y0 * z,
-                x * y * z0,
-                x * y * z,
-            ],
-            far,
+        let mut flats = [low; 8];
+        let mut weights = [[1.0; WIDTH]; 8];
+        for corner in 0..8 {
+            for axis in 0..3 {
+                let is_far = corner >> (2 - axis) & 1 == 1;
+                for k in 0..WIDTH {
+                    let share = shares[axis][k];
+                    flats[corner][k] += if is_far { steps[axis][k] } else { 0 };
+                    weights[corner][k] *= if is_far { share } else { 1.0 - share };
+                }
+            }
         }
+        let per_fade = 1.0 / (self.per_edge * self.fades_over);
+        Places { flats, weights, far: beyond2.map(|b2| smaller(b2.sqrt() * per_fade, 1.0)) }
     }
+}
+
+/// The larger of two; the second if the first is NaN.
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two; the second if the first is NaN.
+#[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// A whole number with `at` between it and the next, both included; for `at` from 0 to 2²².
+///
+/// Half less plus 1.5 · 2²³ is rounded to a whole number, which then stands in the last bits. A conversion would do
+/// too, but one number at a time.
+#[inline(always)]
+fn floor_index(at: f32) -> u32 {
+    const SHIFT: f32 = 12_582_912.0;
+    (at - 0.5 + SHIFT).to_bits() - SHIFT.to_bits()
 }
 
 impl Moment<'_> {
@@ -181,73 +191,97 @@ impl Moment<'_> {
         self.is_still
     }
 
-    /// The vector at a point, head space, m, layers included; where no air is, zero.
-    // Not to be copied into a caller's unrolled loop: eight copies take the compiler minutes and gain nothing.
-    #[inline(never)]
-    pub fn sample(&self, point_m: [f32; 3]) -> [f32; 3] {
-        let corners = self.sampler.corners(point_m);
-        let mut near = [0.0f32; 4];
-        if corners.far < 1.0 {
-            near = match &self.source {
-                Source::Together(voxels) => gather_together(voxels, &corners),
+    /// The vectors at points, head space, m, layers included; where no air is, zero.
+    ///
+    /// Inlined into the caller, so that it is compiled for the processor that the caller was dispatched for: to be
+    /// called once for many points, not in a loop.
+    ///
+    /// # Panics
+    /// If there are fewer vectors than points.
+    #[inline(always)]
+    pub fn sample_all(&self, points_m: &[[f32; 3]], vectors: &mut [[f32; 3]]) {
+        for (points, vectors) in points_m.chunks(WIDTH).zip(vectors[..points_m.len()].chunks_mut(WIDTH)) {
+            // The last few are made up to a whole chunk with their own first.
+            let mut chunk = [points[0]; WIDTH];
+            chunk[..points.len()].copy_from_slice(points);
+            let places = self.sampler.places(&chunk);
+            let near = match &self.source {
+                Source::Together(voxels) => places.gather_together(voxels),
                 Source::Steps { before, after, share } => {
-                    gather_steps(before, after, *share, self.sampler.air.as_deref(), &corners)
+                    places.gather_steps(before, after, *share, self.sampler.air.as_deref())
                 }
             };
-        }
-        let per_weight = if near[3] > 1e-6 { 1.0 / near[3] } else { 0.0 };
-        let mut vector = [0.0; 3];
-        for axis in 0..3 {
-            let inside = near[axis] * per_weight;
-            vector[axis] = inside + (self.outside[axis] - inside) * corners.far;
+            for (k, vector) in vectors.iter_mut().enumerate() {
+                let per_weight = if near[k][3] > 1e-6 { 1.0 / near[k][3] } else { 0.0 };
+                for axis in 0..3 {
+                    let inside = near[k][axis] * per_weight;
+                    vector[axis] = inside + (self.outside[axis] - inside) * places.far[k];
+                }
+            }
         }
         if !self.layers.is_empty() {
+            self.add_layers(points_m, vectors);
+        }
+    }
+
+    /// [`Moment::sample_all`] for a single point.
+    pub fn sample(&self, point_m: [f32; 3]) -> [f32; 3] {
+        let mut vector = [[0.0; 3]];
+        self.sample_all(&[point_m], &mut vector);
+        vector[0]
+    }
+
+    #[inline(never)]
+    fn add_layers(&self, points_m: &[[f32; 3]], vectors: &mut [[f32; 3]]) {
+        for (point_m, vector) in points_m.iter().zip(vectors) {
             let point_m = Vec3::from(point_m.map(f64::from));
             let extra: Vec3 = self.layers.iter().map(|(layer, share)| layer.extra_at(point_m) * *share).sum();
             for axis in 0..3 {
                 vector[axis] += extra[axis] as f32;
             }
         }
-        vector
     }
 }
 
-#[inline]
-fn gather_together(voxels: &[[f32; 4]], corners: &Corners) -> [f32; 4] {
-    let mut sum = [0.0f32; 4];
-    for (flat, weight) in corners.flats.iter().zip(&corners.weights) {
-        let voxel = &voxels[*flat];
-        for k in 0..4 {
-            sum[k] += voxel[k] * weight;
+impl Places {
+    /// Sums of vectors and of weights that count.
+    #[inline(always)]
+    fn gather_together(&self, voxels: &[[f32; 4]]) -> [[f32; 4]; WIDTH] {
+        let mut sums = [[0.0f32; 4]; WIDTH];
+        for (k, sum) in sums.iter_mut().enumerate() {
+            for corner in 0..8 {
+                let (voxel, weight) = (voxels[self.flats[corner][k] as usize], self.weights[corner][k]);
+                for (sum, value) in sum.iter_mut().zip(voxel) {
+                    *sum += value * weight;
+                }
+            }
         }
+        sums
     }
-    sum
-}
 
-#[inline]
-fn gather_steps(
-    before: &Field,
-    after: &Field,
-    share: f32,
-    air: Option<&[f32]>,
-    corners: &Corners,
-) -> [f32; 4] {
-    let n = before.flags.len();
-    let mut sum = [0.0f32; 4];
-    let mut weights = corners.weights;
-    if let Some(air) = air {
-        for (weight, flat) in weights.iter_mut().zip(&corners.flats) {
-            *weight *= air[*flat];
+    #[inline(always)]
+    fn gather_steps(
+        &self,
+        before: &Field,
+        after: &Field,
+        share: f32,
+        air: Option<&[f32]>,
+    ) -> [[f32; 4]; WIDTH] {
+        let n = before.flags.len();
+        let mut sums = [[0.0f32; 4]; WIDTH];
+        for (k, sum) in sums.iter_mut().enumerate() {
+            for corner in 0..8 {
+                let flat = self.flats[corner][k] as usize;
+                let weight = self.weights[corner][k] * air.map_or(1.0, |air| air[flat]);
+                for (axis, sum) in sum.iter_mut().take(3).enumerate() {
+                    let (a, b) = (before.u[axis * n + flat], after.u[axis * n + flat]);
+                    *sum += (a + (b - a) * share) * weight;
+                }
+                sum[3] += weight;
+            }
         }
+        sums
     }
-    sum[3] = weights.iter().sum();
-    for (axis, sum) in sum.iter_mut().take(3).enumerate() {
-        let (a, b) = (&before.u[axis * n..(axis + 1) * n], &after.u[axis * n..(axis + 1) * n]);
-        for (flat, weight) in corners.flats.iter().zip(&weights) {
-            *sum += (a[*flat] + (b[*flat] - a[*flat]) * share) * weight;
-        }
-    }
-    sum
 }
 
 #[cfg(test)]

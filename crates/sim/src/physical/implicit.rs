@@ -52,6 +52,9 @@ const fn share_of_way(iteration: usize) -> f64 {
     }
 }
 
+/// Points whose wind is asked for at once.
+const SAMPLED_TOGETHER: usize = 64;
+
 /// A contact is looked for as far as a point may come in a step, m: this much and twice its present way.
 const LOOK_M: f64 = 5e-3;
 
@@ -163,18 +166,23 @@ impl<L: Lane> Batch<L> {
         };
         let half = L::splat(0.5);
         let mut before = self.root;
-        for work in work {
-            let middle = (before + work.place) * half;
-            for lane in 0..L::N {
-                let at = [middle.x.get(lane) as f32, middle.y.get(lane) as f32, middle.z.get(lane) as f32];
-                let found = wind.sample(at);
-                let found = match &model.force_law {
-                    None => Vec3::from(found.map(f64::from)),
-                    Some(law) => self.wind_of_force(law, lane, Vec3::from(found.map(f64::from))),
-                };
-                work.wind.set(lane, found);
+        let (mut points, mut winds) = ([[0.0; 3]; SAMPLED_TOGETHER], [[0.0; 3]; SAMPLED_TOGETHER]);
+        for sticks in work.chunks_mut(SAMPLED_TOGETHER / L::N) {
+            for (points, work) in points.chunks_exact_mut(L::N).zip(&*sticks) {
+                let middle = (before + work.place) * half;
+                for (lane, point) in points.iter_mut().enumerate() {
+                    *point = [middle.x, middle.y, middle.z].map(|c| c.get(lane) as f32);
+                }
+                before = work.place;
             }
-            before = work.place;
+            let n = sticks.len() * L::N;
+            wind.sample_all(&points[..n], &mut winds[..n]);
+            for (winds, work) in winds.chunks_exact(L::N).zip(sticks) {
+                work.wind = Vector::from_fn(|lane| {
+                    let found = Vec3::from(winds[lane].map(f64::from));
+                    model.force_law.as_ref().map_or(found, |law| self.wind_of_force(law, lane, found))
+                });
+            }
         }
     }
 
