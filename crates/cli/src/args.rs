@@ -355,6 +355,11 @@ pub struct SimulateArgs {
     /// Strands that follow and are simulated too, to tell how far off those are that are not; 0 for none.
     #[arg(long, value_name = "N", default_value_t = 200, requires = "guides")]
     pub guides_check: u32,
+    /// For long runs: keep what is done in a folder .OUT.resume beside the (first) output, strands after strands. If the
+    /// run is stopped, the same command goes on from there and gives the same bytes. N: strands that run before they
+    /// are kept [default: some seconds' work].
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "0")]
+    pub resume: Option<u32>,
     /// How strands are drawn in a .usda file.
     #[arg(long, value_enum, default_value_t = ShapeArg::Curves, value_name = "SHAPE")]
     pub shape: ShapeArg,

@@ -20,8 +20,8 @@ use serde::Serialize;
 use std::path::Path;
 use tousle_core::{Attachment, Groom, Shape};
 use tousle_eff::{Eff, Encoding, ReadOptions, WriteOptions, WriteReport};
-use tousle_field::Scene;
-use tousle_groom::{GroomOptions, HeadShape, Placement};
+use tousle_field::{GridSpec, Scene};
+use tousle_groom::{GroomOptions, GroomReadError, HeadShape, Placement};
 use tousle_ingest::IngestOptions;
 use tousle_pipeline::{Watch, read_file, write_whole};
 
@@ -60,7 +60,7 @@ fn sound_eff(bytes: &[u8], path: &Path) -> anyhow::Result<Eff> {
 }
 
 /// Reads a groom; what it leaves out or changes is said on stderr.
-fn read_groom(path: &Path, args: &GroomArgs, scene: &Scene) -> anyhow::Result<Groom> {
+fn read_groom(path: &Path, args: &GroomArgs, scene: &Scene, grid: &GridSpec) -> anyhow::Result<Groom> {
     let mut options = GroomOptions::default();
     options.unit = args.groom_unit;
     options.up_axis = args.groom_up;
@@ -68,12 +68,38 @@ fn read_groom(path: &Path, args: &GroomArgs, scene: &Scene) -> anyhow::Result<Gr
     if args.fit_to_head {
         options.placement = Placement::FitToHead(head_shape(scene)?);
     }
-    let read = tousle_groom::read_groom(&read_file(path)?, &options)
-        .with_context(|| format!("cannot use the groom {}", path.display()))?;
+    let read = tousle_groom::read_groom(&read_file(path)?, &options).map_err(|error| {
+        let hint = groom_hint(&error);
+        anyhow!(error).context(format!("cannot use the groom {}{hint}", path.display()))
+    })?;
     for warning in &read.warnings {
         eprintln!("warning: {}: {warning}", path.display());
     }
+    let roots = read.groom.strands.iter().map(|s| s.rest_curve_m[0]);
+    if !roots.into_iter().any(|root| grid.contains(root)) {
+        eprintln!(
+            "warning: {}: no root lies in the field's box about the head: --groom-unit, --groom-up or --fit-to-head \
+             may be what is missing",
+            path.display()
+        );
+    }
     Ok(read.groom)
+}
+
+/// The options with which a groom that could not be used perhaps can.
+fn groom_hint(error: &GroomReadError) -> &'static str {
+    match error {
+        GroomReadError::NotStated { what: "up axis", .. } => {
+            " (--groom-up says which axis of the file is up)"
+        }
+        GroomReadError::NotStated { .. } => {
+            " (--groom-unit says the file's unit, --fit-to-head does without)"
+        }
+        GroomReadError::Placement { .. } => {
+            " (without --fit-to-head it stays where its file has it, in the file's unit or that of --groom-unit)"
+        }
+        _ => "",
+    }
 }
 
 /// The head that a groom can be fitted to: the first ellipsoid that moves with it.

@@ -74,3 +74,34 @@ fn several_outputs_appear_together_or_not_at_all() {
     room.run(&format!("{simulate} -o a.npz -o b.usda")).ended(0);
     assert_eq!(room.files().len(), before.len() + 2);
 }
+
+#[test]
+fn a_run_that_was_killed_goes_on_to_the_same_bytes() {
+    let room = room_with_a_field();
+    let simulate = "simulate f.eff.mcap --groom bob.json --method physical --dt-secs 5e-5 --guides 40";
+    room.run(&format!("{simulate} -o whole.npz")).ended(0);
+    let resumed = format!("{simulate} -o out.npz --resume=8");
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_tousle"))
+        .args(resumed.split_whitespace())
+        .current_dir(room.path("."))
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let folder = room.path(".out.npz.resume");
+    let n_parts = || std::fs::read_dir(&folder).map_or(0, |entries| entries.count().saturating_sub(1));
+    while n_parts() < 2 && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(n_parts() >= 2 && !room.path("out.npz").exists(), "killed in time");
+
+    let other = room.run(&format!("{resumed} --tolerance-mm 1")).ended(1);
+    other.says(&["parts of another run in", "(other options)", "remove that folder or name another output"]);
+    std::fs::write(folder.join("simulate-000001.part"), "x").unwrap();
+    room.run(&resumed).ended(1).says(&["simulate-000001.part", "expected a part; remove it"]);
+    std::fs::remove_file(folder.join("simulate-000001.part")).unwrap();
+    room.run(&resumed).ended(0);
+    assert!(room.read("out.npz") == room.read("whole.npz"));
+    assert!(!folder.exists(), "what was kept is gone");
+}

@@ -27,6 +27,23 @@ pub struct Strand {
     pub bending_stiffness_n_m2: f64,
     /// Internal damping over stiffness, s: how long a bend takes to give way.
     pub internal_damping_secs: f64,
+    /// How the above changes from root to tip.
+    pub along: Along,
+    /// Whether joints may be made stiffer where the rest curve would not stay as it is: so where nobody gave the
+    /// stiffness, and the style is all that is known.
+    pub holds_style: bool,
+}
+
+/// How a strand changes from root to tip: at each control point, how many times the strand's own value, > 0; linear in
+/// between. An empty list is 1 everywhere.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Along {
+    /// Of the width.
+    pub width: Vec<f64>,
+    /// Of the mass per length.
+    pub linear_density: Vec<f64>,
+    /// Of the resistance to bending.
+    pub bending_stiffness: Vec<f64>,
 }
 
 /// A value that nobody gave, and the default that stands for it.
@@ -110,6 +127,16 @@ impl Groom {
     }
 }
 
+impl Along {
+    /// A list's value at a control point.
+    ///
+    /// # Panics
+    /// If the list is neither empty nor has the point.
+    pub fn at(list: &[f64], point: usize) -> f64 {
+        if list.is_empty() { 1.0 } else { list[point] }
+    }
+}
+
 impl Strand {
     fn check(&self) -> Result<(), GroomError> {
         let strand = || self.name.clone();
@@ -137,6 +164,20 @@ impl Strand {
                     expected: "a number above 0",
                 });
             }
+        }
+        let along = [
+            ("along.width", &self.along.width),
+            ("along.linear_density", &self.along.linear_density),
+            ("along.bending_stiffness", &self.along.bending_stiffness),
+        ];
+        for (property, list) in along {
+            let bad = list.iter().copied().find(|x| !(x.is_finite() && *x > 0.0));
+            let (found, expected) = match bad {
+                Some(found) => (found, "numbers above 0"),
+                None if list.is_empty() || list.len() == points.len() => continue,
+                None => (list.len() as f64, "none, or as many numbers as control points"),
+            };
+            return Err(GroomError::BadProperty { strand: strand(), property, found, expected });
         }
         let not_negative = [
             ("bending_stiffness_N_m2", self.bending_stiffness_n_m2),

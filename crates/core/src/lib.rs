@@ -24,7 +24,7 @@ mod unit;
 
 pub use body::{Attachment, Body, Collider, Shape};
 pub use capture::{Capture, Trajectory};
-pub use groom::{Assumption, Groom, GroomError, Strand};
+pub use groom::{Along, Assumption, Groom, GroomError, Strand};
 pub use head::{HeadCapture, HeadPose, StrandTracks, UnlabeledTrack};
 pub use motion::{HeadMotion, PoseTrack, StrandMotion};
 pub use progress::{NoProgress, Progress};

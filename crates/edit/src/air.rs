@@ -88,6 +88,8 @@ mod tests {
             lock_width_m: 0.005,
             bending_stiffness_n_m2: 1e-6,
             internal_damping_secs: 0.01,
+            along: tousle_core::Along::default(),
+            holds_style: false,
         }
     }
 

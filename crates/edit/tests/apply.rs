@@ -15,6 +15,8 @@ fn groom() -> Groom {
         lock_width_m: 0.005,
         bending_stiffness_n_m2: 1e-6,
         internal_damping_secs: 0.01,
+        along: tousle_core::Along::default(),
+        holds_style: false,
     };
     Groom { strands: vec![strand("A", 0.0), strand("B", 0.2)], assumed: Vec::new() }
 }

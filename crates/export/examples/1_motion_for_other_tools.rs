@@ -65,6 +65,8 @@ fn groom() -> Groom {
             lock_width_m: 0.006,
             bending_stiffness_n_m2: 5e-6,
             internal_damping_secs: 0.02,
+            along: tousle_core::Along::default(),
+            holds_style: false,
         }
     };
     Groom { strands: (0..N_STRANDS).map(strand).collect(), assumed: Vec::new() }

@@ -43,6 +43,8 @@ fn groom(motion: &StrandMotion) -> Groom {
         lock_width_m: 0.001,
         bending_stiffness_n_m2: 1e-6,
         internal_damping_secs: 0.02,
+        along: tousle_core::Along::default(),
+        holds_style: false,
     };
     Groom { strands: (0..motion.counts.len()).map(strand).collect(), assumed: Vec::new() }
 }

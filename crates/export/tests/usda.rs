@@ -18,6 +18,8 @@ fn groom() -> Groom {
         lock_width_m: 0.0078125,
         bending_stiffness_n_m2: 1e-6,
         internal_damping_secs: 0.0,
+        along: tousle_core::Along::default(),
+        holds_style: false,
     };
     Groom { strands: vec![strand("A", 2), strand("B", 3)], assumed: Vec::new() }
 }

@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 
 use tousle_core::{Assumption, Groom, Strand};
 
+use crate::along;
 use crate::placement::Placed;
 use crate::raw::RawStrand;
 
@@ -85,7 +86,16 @@ fn complete(raw: RawStrand, index: usize, n_digits: usize, shared_hairs: f64, no
         (None, Some(width)) => hairs_of_width(width),
         (None, None) => shared_hairs,
     };
+    let along = along::complete(&raw, known_width.is_some());
+    let follows = |given: &[f64], list: &[f64]| given.is_empty() && !list.is_empty();
+    notes.along += usize::from(
+        follows(&raw.along.linear_density, &along.linear_density)
+            || follows(&raw.along.bending_stiffness, &along.bending_stiffness),
+    );
     Strand {
+        along,
+        // Where nobody knows how stiff it is, its style is all that says so.
+        holds_style: raw.bending_stiffness_n_m2.is_none(),
         name: raw.name.unwrap_or_else(|| format!("{:0n_digits$}", index + 1)),
         length_m,
         linear_density_kg_per_m: notes
@@ -109,6 +119,7 @@ struct Notes {
     drawn_width: Range,
     stiffness: Range,
     damping: Range,
+    along: usize,
     too_long: usize,
     implausible: usize,
 }
@@ -155,6 +166,13 @@ impl Notes {
                     why: why.to_owned(),
                 });
             }
+        }
+        if self.along > 0 {
+            assumed.push(Assumption {
+                what: format!("mass and stiffness along {} of {n_strands} strands", self.along),
+                value: "as many hairs at each point as the square of the width there has room for".to_owned(),
+                why: "their width changes from root to tip, and hairs are of one thickness".to_owned(),
+            });
         }
         if self.too_long > 0 {
             let n = self.too_long;

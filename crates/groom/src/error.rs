@@ -45,7 +45,7 @@ pub enum GroomReadError {
         expected: String,
     },
     /// The format does not say where or how large things are, and the caller did not either.
-    #[error("a {format} groom states no {what}: pass {pass}")]
+    #[error("a groom in {format} states no {what}: pass {pass}")]
     NotStated {
         /// The format.
         format: GroomFormat,

@@ -14,9 +14,10 @@
 //! | USD text (`.usda`) with `BasisCurves` | both | transforms resolved, references and variants not |
 //! | Alembic (`.abc`, Ogawa) with curves | neither | transforms resolved |
 //!
-//! A property may be missing (`defaults` says what stands for it), one number a strand, or in JSON a list of one for
-//! each point, whose mean is taken as that of drawn widths by the point is. USD gives them as primvars of the same
-//! names, `constant` or `uniform`.
+//! A property may be missing (`defaults` says what stands for it), one number a strand, or, except for the damping, one
+//! for each of its points (`along` says what then becomes of the others): a list in JSON; a primvar of the same name in
+//! USD, `constant`, `uniform`, `vertex` or `varying`. Drawn widths by the point count as well: the thickness array of
+//! `.hair`, `widths` of USD and Alembic.
 //!
 //! ```
 //! let json = br#"{"note": "any text", "strands": [
@@ -31,6 +32,7 @@
 //!
 //! *Invariant:* stages see bytes and values; nothing here opens a file.
 
+mod along;
 mod defaults;
 mod error;
 mod format;

@@ -245,9 +245,12 @@ mod tests {
         let mut options = GroomOptions::default();
         let mut warnings = Vec::new();
         let error = axes(&raw, GroomFormat::Hair, &options, &mut Vec::new(), &mut warnings).unwrap_err();
-        assert_eq!(error.to_string(), "a .hair groom states no up axis: pass the file's up axis (X, Y or Z)");
+        assert_eq!(
+            error.to_string(),
+            "a groom in .hair states no up axis: pass the file's up axis (X, Y or Z)"
+        );
         let error = unit(&raw, GroomFormat::Hair, &options, &mut warnings).unwrap_err();
-        assert!(error.to_string().starts_with("a .hair groom states no unit: pass a unit (mm"), "{error}");
+        assert!(error.to_string().starts_with("a groom in .hair states no unit: pass a unit (mm"), "{error}");
         options.unit = Some(LengthUnit::Millimeter);
         let stated = RawGroom { unit_m: Some(0.01), ..raw };
         assert_eq!(unit(&stated, GroomFormat::Usda, &options, &mut warnings).unwrap(), 0.001);

@@ -1,6 +1,6 @@
 //! What a format reader gives: curves as the file has them, and what the file says about them.
 
-use tousle_core::{UpAxis, Vec3};
+use tousle_core::{Along, UpAxis, Vec3};
 
 /// A groom in the file's own axes and unit.
 #[derive(Debug, Default)]
@@ -30,12 +30,34 @@ pub(crate) struct RawStrand {
     pub(crate) lock_width_m: Option<f64>,
     pub(crate) bending_stiffness_n_m2: Option<f64>,
     pub(crate) internal_damping_secs: Option<f64>,
+    /// What the file gives by the point, over its mean, which stands above; empty lists for the rest.
+    pub(crate) along: Along,
 }
 
 impl RawStrand {
     /// A strand of which only the curve is known.
     pub(crate) fn of_points(points: Vec<Vec3>) -> Self {
         Self { points, ..Self::default() }
+    }
+
+    /// Leaves out points that lie on the one before, with all that belongs to them. Out: how many.
+    pub(crate) fn drop_coincident(&mut self, within: f64) -> usize {
+        let mut last: Option<Vec3> = None;
+        let is_apart = |p: &Vec3| {
+            let apart = last.is_none_or(|last| (p - last).norm() > within);
+            last = if apart { Some(*p) } else { last };
+            apart
+        };
+        let keep: Vec<bool> = self.points.iter().map(is_apart).collect();
+        let Along { width, linear_density, bending_stiffness } = &mut self.along;
+        for list in [width, linear_density, bending_stiffness] {
+            let mut kept = keep.iter();
+            list.retain(|_| kept.next().copied().unwrap_or(true));
+        }
+        let before = keep.len();
+        let mut kept = keep.into_iter();
+        self.points.retain(|_| kept.next().unwrap_or(true));
+        before - self.points.len()
     }
 }
 

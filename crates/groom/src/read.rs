@@ -54,9 +54,7 @@ pub(crate) fn clean(raw: &mut RawGroom) {
     let size = raw.bounds().map_or(0.0, |[low, high]| (0..3).map(|a| high[a] - low[a]).fold(0.0, f64::max));
     let mut n_dropped = 0;
     for strand in &mut raw.strands {
-        let before = strand.points.len();
-        strand.points.dedup_by(|p, kept| (*p - *kept).norm() <= COINCIDENT * size);
-        n_dropped += before - strand.points.len();
+        n_dropped += strand.drop_coincident(COINCIDENT * size);
     }
     let n_strands = raw.strands.len();
     let n_points: usize = raw.strands.iter().filter(|s| s.points.len() < 2).map(|s| s.points.len()).sum();
@@ -81,7 +79,9 @@ mod tests {
     fn points_on_one_another_and_strands_of_a_point_are_left_out() {
         let (a, b) = (Vec3::zeros(), Vec3::new(0.0, 0.0, -10.0));
         let mut raw = RawGroom::of_curves(vec![vec![a, a, b, b], vec![a], vec![a, a], Vec::new()]);
+        raw.strands[0].along.width = vec![0.7, 0.8, 1.2, 1.3];
         clean(&mut raw);
+        assert_eq!(raw.strands[0].along.width, [0.7, 1.2]);
         assert_eq!(raw.strands.len(), 1);
         assert_eq!(raw.strands[0].points, [a, b]);
         assert_eq!(

@@ -209,7 +209,10 @@ fn inspect_tells_what_it_can() {
     assert_eq!(json["counts"], serde_json::json!([2, 3]));
     assert!(json["bounds_m"].is_null());
     assert_eq!(json["bounds_in_file"], serde_json::json!([[1.0, 10.0, -5.0], [5.0, 10.0, -1.0]]));
-    assert_eq!(json["warnings"][0], "a .hair groom states no up axis: pass the file's up axis (X, Y or Z)");
+    assert_eq!(
+        json["warnings"][0],
+        "a groom in .hair states no up axis: pass the file's up axis (X, Y or Z)"
+    );
     let summary = inspect_groom(JSON.as_bytes(), &GroomOptions::default()).unwrap();
     assert_eq!(summary.bounds_m, Some([[0.0, 0.0, -0.2], [0.1, 0.02, 0.1]]));
 }

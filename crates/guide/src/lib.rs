@@ -10,10 +10,11 @@
 //! *Invariant:* this crate has never heard of wind; it sees a groom and a motion.
 //!
 //! ```
-//! # use tousle_core::{Groom, NoProgress, Strand, StrandMotion, Vec3};
+//! # use tousle_core::{Along, Groom, NoProgress, Strand, StrandMotion, Vec3};
 //! # let strand = |x: f64| Strand {
 //! #     name: x.to_string(), rest_curve_m: vec![Vec3::new(x, 0.0, 0.0), Vec3::new(x, 0.0, -0.1)], length_m: 0.1,
-//! #     linear_density_kg_per_m: 1e-3, lock_width_m: 4e-3, bending_stiffness_n_m2: 1e-6, internal_damping_secs: 0.0 };
+//! #     linear_density_kg_per_m: 1e-3, lock_width_m: 4e-3, bending_stiffness_n_m2: 1e-6, internal_damping_secs: 0.0,
+//! #     along: Along::default(), holds_style: false };
 //! # let groom = Groom { strands: vec![strand(0.0), strand(0.01), strand(0.02)], assumed: Vec::new() };
 //! let guides = tousle_guide::choose(&groom, 1)?;
 //! assert_eq!(guides.strands(), [1]);

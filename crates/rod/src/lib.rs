@@ -1,12 +1,13 @@
 //! The mechanics of one lock: its shape at rest, bending, drag, contact. Measuring and simulating share it.
 //!
 //! [`Lock`] is a strand as a chain of sticks with its mass and its joints; [`rest_state`] says how it carries
-//! its weight when it hangs still; [`DragLaw`] is what the air does to it, [`Surface`] what it can touch.
+//! its weight when it hangs still, [`hold_rest`] makes it stay there; [`DragLaw`] is what the air does to it, [`Surface`] what it can touch.
 //!
 //! *Invariant:* nothing here steps through time or knows a grid.
 
 mod contact;
 mod drag;
+mod hold;
 mod lock;
 mod nnls;
 mod rest;
@@ -14,6 +15,7 @@ mod turn;
 
 pub use contact::{Gap, Surface, SurfaceShape};
 pub use drag::{Drag, DragLaw};
+pub use hold::{Support, hold_rest};
 pub use lock::Lock;
 pub use rest::{Bearing, Likely, Rest, Touch, Twist, joint_torques, rest_state};
 pub use turn::{shortest_rotation, shortest_turn, turned};

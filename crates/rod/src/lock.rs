@@ -1,4 +1,4 @@
-use tousle_core::{Strand, Vec3};
+use tousle_core::{Along, Strand, Vec3};
 
 /// One lock as a chain of straight sticks joined at its control points: where it is at rest, what it weighs and
 /// how it resists bending.
@@ -23,14 +23,21 @@ pub struct Lock {
     pub joint_stiffness: Vec<f64>,
     /// Internal damping over stiffness, s.
     pub damping_secs: f64,
-    /// Mass per length of hair, kg/m.
+    /// Mass per length of hair, kg/m: the strand's own.
     pub linear_density_kg_per_m: f64,
-    /// Width across the wind, m.
+    /// Mass per length of each stick's hair, kg/m.
+    pub linear_densities_kg_per_m: Vec<f64>,
+    /// Width across the wind, m: the strand's own.
     pub width_m: f64,
+    /// Width across the wind of each stick, m.
+    pub widths_m: Vec<f64>,
 }
 
 impl Lock {
     /// The lock of a strand that [`tousle_core::Groom::check`] has passed.
+    ///
+    /// Where a property changes along the strand a stick has the mean of what its two points say, and a joint what
+    /// its own point says.
     ///
     /// A joint between two sticks stands for the bending of half of each, so its stiffness is the rod's over
     /// their mean length; the root is clamped and stands for half a stick, so its joint is twice as stiff as
@@ -44,14 +51,19 @@ impl Lock {
         let hair_per_stick = strand.length_m / polyline_m;
         let hair_lengths_m: Vec<f64> = lengths_m.iter().map(|l| l * hair_per_stick).collect();
         let n = lengths_m.len();
-        let half_mass = |j: usize| 0.5 * strand.linear_density_kg_per_m * hair_lengths_m[j];
+        let per_stick = |own: f64, along: &[f64]| -> Vec<f64> {
+            (0..n).map(|j| own * (0.5 * (Along::at(along, j) + Along::at(along, j + 1)))).collect()
+        };
+        let linear_densities_kg_per_m =
+            per_stick(strand.linear_density_kg_per_m, &strand.along.linear_density);
+        let half_mass = |j: usize| 0.5 * linear_densities_kg_per_m[j] * hair_lengths_m[j];
         let masses_kg =
             (0..n).map(|j| half_mass(j) + if j + 1 < n { half_mass(j + 1) } else { 0.0 }).collect();
         let joint_stiffness = (0..n)
             .map(|j| {
                 let bends_over =
                     if j == 0 { 0.5 * lengths_m[0] } else { 0.5 * (lengths_m[j - 1] + lengths_m[j]) };
-                strand.bending_stiffness_n_m2 / bends_over
+                strand.bending_stiffness_n_m2 * Along::at(&strand.along.bending_stiffness, j) / bends_over
             })
             .collect();
         let arcs_m = lengths_m
@@ -71,7 +83,9 @@ impl Lock {
             joint_stiffness,
             damping_secs: strand.internal_damping_secs,
             linear_density_kg_per_m: strand.linear_density_kg_per_m,
+            linear_densities_kg_per_m,
             width_m: strand.lock_width_m,
+            widths_m: per_stick(strand.lock_width_m, &strand.along.width),
         }
     }
 
@@ -111,6 +125,8 @@ pub(crate) mod tests {
             lock_width_m: 4e-3,
             bending_stiffness_n_m2: 1e-6,
             internal_damping_secs: 0.02,
+            along: Along::default(),
+            holds_style: false,
         }
     }
 
@@ -122,6 +138,23 @@ pub(crate) mod tests {
         assert!(close(&lock.masses_kg, &[1e-4, 0.5e-4]), "{:?}", lock.masses_kg);
         assert!(close(&lock.joint_stiffness, &[2e-5, 1e-5]), "{:?}", lock.joint_stiffness);
         assert!(close(&lock.arcs_m, &[0.1, 0.2]));
+    }
+
+    /// The same, three times as heavy at its tip as at its root, half as wide and half as stiff.
+    #[test]
+    fn what_changes_along_a_lock() {
+        let mut strand = straight(Vec3::zeros(), Vec3::x(), 0.2, 2);
+        strand.along = Along {
+            linear_density: vec![0.5, 1.0, 1.5],
+            width: vec![1.5, 1.0, 0.5],
+            bending_stiffness: vec![1.5, 1.0, 0.5],
+        };
+        let lock = Lock::new(&strand);
+        let close = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12 * b.abs());
+        assert!(close(&lock.linear_densities_kg_per_m, &[0.75e-3, 1.25e-3]));
+        assert!(close(&lock.masses_kg, &[1e-4, 0.625e-4]), "{:?}", lock.masses_kg);
+        assert!(close(&lock.widths_m, &[5e-3, 3e-3]), "{:?}", lock.widths_m);
+        assert!(close(&lock.joint_stiffness, &[3e-5, 1e-5]), "{:?}", lock.joint_stiffness);
     }
 
     /// A clamped rod under a weak load across its tip bends by FL³/3EI.

@@ -16,6 +16,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         lock_width_m: 4e-3,
         bending_stiffness_n_m2: 2e-6,
         internal_damping_secs: 0.02,
+        along: tousle_core::Along::default(),
+        holds_style: false,
     };
     let groom = Groom { strands: vec![lock], assumed: Vec::new() };
 

@@ -59,4 +59,13 @@ pub enum SimError {
         /// The control point at the far end of its stiffest stick, from the root, where one joint sets it.
         point: Option<usize>,
     },
+    /// What keeps a run's parts failed.
+    #[error("cannot keep or read back a part of the run")]
+    Keeper(#[source] Box<dyn core::error::Error + Send + Sync>),
+    /// A part that was kept is none of this run.
+    #[error("part {number} of the run: found another number of positions than its strands have")]
+    OtherPart {
+        /// Which part, from 0.
+        number: usize,
+    },
 }

@@ -8,8 +8,8 @@ pub(crate) fn single(point: Vec3) -> [f32; 3] {
     point.map(|c| c as f32).into()
 }
 
-/// The largest change of any stick's length, as a share of it, over all frames.
-pub(crate) fn max_stretch(motion: &StrandMotion) -> f64 {
+/// The largest change of any stick's length from the first frame's, as a share of it, over all frames.
+pub fn max_stretch(motion: &StrandMotion) -> f64 {
     let n_points = motion.n_points();
     let lengths = |frame: &[[f32; 3]]| -> Vec<f64> {
         let mut lengths = Vec::with_capacity(n_points);
@@ -31,37 +31,56 @@ pub(crate) fn max_stretch(motion: &StrandMotion) -> f64 {
     motion.positions_m.par_chunks_exact(n_points).map(stretch).reduce(|| 0.0, f64::max)
 }
 
-/// The positions of all frames, to be filled strand by strand.
+/// The positions of some strands in all frames, to be filled strand by strand.
 pub(crate) struct Frames {
     pub positions_m: Vec<[f32; 3]>,
     n_points: usize,
-    /// Where each strand's first point is within a frame.
-    offsets: Vec<usize>,
-    counts: Vec<usize>,
+    /// For each strand of the groom: where its first point is within a frame, and how many it has.
+    places: Vec<(usize, usize)>,
 }
 
 impl Frames {
-    /// All frames as the strands hang at rest.
-    pub fn new(groom: &Groom, n_frames: usize) -> Self {
-        let rest: Vec<[f32; 3]> =
-            groom.strands.iter().flat_map(|s| &s.rest_curve_m).copied().map(single).collect();
-        let counts = groom.counts();
-        let offsets = counts.iter().scan(0, |at, n| {
-            let here = *at;
-            *at += n;
-            Some(here)
-        });
-        Self { positions_m: rest.repeat(n_frames), n_points: rest.len(), offsets: offsets.collect(), counts }
+    /// Frames of some of a groom's strands, in this order, all as they hang at rest.
+    pub fn new(groom: &Groom, strands: &[usize], n_frames: usize) -> Self {
+        let mut places = vec![(0, 0); groom.strands.len()];
+        let mut rest: Vec<[f32; 3]> = Vec::new();
+        for s in strands {
+            let curve = &groom.strands[*s].rest_curve_m;
+            places[*s] = (rest.len(), curve.len());
+            rest.extend(curve.iter().copied().map(single));
+        }
+        Self { positions_m: rest.repeat(n_frames), n_points: rest.len(), places }
     }
 
     /// Puts the points of some strands, roots left out, into a frame.
     pub fn put(&mut self, frame: usize, strands: &[usize], points: &[[f32; 3]]) {
         let mut points = points;
         for s in strands {
-            let (own, others) = points.split_at(self.counts[*s] - 1);
-            let at = frame * self.n_points + self.offsets[*s] + 1;
+            let (first, n) = self.places[*s];
+            let (own, others) = points.split_at(n - 1);
+            let at = frame * self.n_points + first + 1;
             self.positions_m[at..at + own.len()].copy_from_slice(own);
             points = others;
         }
+    }
+
+    /// Puts all frames of some strands, roots included. `None` if these are not as many points as the strands have.
+    pub fn put_all(&mut self, strands: &[usize], points: &[[f32; 3]]) -> Option<()> {
+        let n_points: usize = strands.iter().map(|s| self.places[*s].1).sum();
+        let n_frames = self.positions_m.len() / self.n_points;
+        if points.len() != n_frames * n_points {
+            return None;
+        }
+        for (frame, points) in points.chunks_exact(n_points).enumerate() {
+            let mut points = points;
+            for s in strands {
+                let (first, n) = self.places[*s];
+                let (own, others) = points.split_at(n);
+                let at = frame * self.n_points + first;
+                self.positions_m[at..at + n].copy_from_slice(own);
+                points = others;
+            }
+        }
+        Some(())
     }
 }

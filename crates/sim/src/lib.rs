@@ -2,6 +2,7 @@
 //!
 //! *Invariant:* this crate has never heard of markers: it sees what a field file holds and nothing else.
 
+mod assumptions;
 mod check;
 mod error;
 mod frames;
@@ -10,16 +11,19 @@ mod joint;
 mod lane;
 mod options;
 mod paper;
+mod parts;
 mod physical;
 mod plan;
 mod report;
-mod run;
 mod stability;
 mod timeline;
+mod touchable;
 
 pub use error::SimError;
+pub use frames::max_stretch;
 pub use integrator::Integrator;
 pub use options::{Method, Precision, SimOptions, TimeMode, TorsoGrip};
+pub use parts::{Count, Keeper, Part};
 pub use report::{PlanEntry, SimReport, Simulation};
 
 use tousle_core::{Groom, Progress};
@@ -42,12 +46,28 @@ pub fn simulate(
     options: &SimOptions,
     progress: &dyn Progress,
 ) -> Result<Simulation, SimError> {
+    simulate_kept(field, scene, groom, options, None, progress)
+}
+
+/// [`simulate`] for long runs: strands run part by part, and a keeper hears of each part that is done. A part
+/// that it kept before is not run again. The result is the same to the bit.
+///
+/// # Errors
+/// As [`simulate`], and [`SimError::Keeper`], [`SimError::OtherPart`] where the keeper fails.
+pub fn simulate_kept(
+    field: &FieldSequence,
+    scene: &Scene,
+    groom: &Groom,
+    options: &SimOptions,
+    keeper: Option<&dyn Keeper>,
+    progress: &dyn Progress,
+) -> Result<Simulation, SimError> {
     field.check()?;
     groom.check()?;
     check::check_scene(scene, options)?;
     check::check_options(options)?;
     match options.method {
-        Method::Paper => run::run(field, scene, groom, options, progress),
-        Method::Physical => physical::run(field, scene, groom, options, progress),
+        Method::Paper => paper::run(field, scene, groom, options, keeper, progress),
+        Method::Physical => physical::run(field, scene, groom, options, keeper, progress),
     }
 }

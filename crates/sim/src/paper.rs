@@ -10,13 +10,15 @@
 mod bending;
 mod contact;
 mod forces;
+mod run;
 
-pub(crate) use contact::Touchable;
+pub(crate) use run::run;
 
 use crate::Integrator;
 use crate::joint::{JointEquation, JointStep};
 use crate::plan::Terms;
 use crate::timeline::StepScene;
+use crate::touchable::Touchable;
 use contact::Contacts;
 use nalgebra::Matrix3;
 use tousle_core::Vec3;

@@ -35,10 +35,11 @@ pub(crate) fn limit(
         let lock = Lock::new(strand);
         let reach = lock.root_m.norm() + lock.reach_m();
         let acceleration = head.acceleration + head.per_meter * reach;
+        let most = |of_sticks: &[f64]| of_sticks.iter().copied().fold(0.0, f64::max);
         let wind = match terms.quantity {
-            Quantity::AirVelocity if terms.air => drag.across(lock.width_m, strongest) * strongest,
+            Quantity::AirVelocity if terms.air => drag.across(most(&lock.widths_m), strongest) * strongest,
             Quantity::AirVelocity => 0.0,
-            Quantity::ForcePerMass => strongest * lock.linear_density_kg_per_m,
+            Quantity::ForcePerMass => strongest * most(&lock.linear_densities_kg_per_m),
         };
         for (j, dt_secs) in joint_limits(&lock, acceleration, wind).into_iter().enumerate() {
             if limit.as_ref().is_none_or(|least| dt_secs < least.dt_secs) {

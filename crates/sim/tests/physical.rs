@@ -112,6 +112,8 @@ fn errors_fall_with_the_order() {
         // So thick that explicit steps of a third of a millisecond stand its twist.
         bending_stiffness_n_m2: 1e-5,
         internal_damping_secs: 0.002,
+        along: tousle_core::Along::default(),
+        holds_style: false,
         lock_width_m: 0.01,
         ..straight(Vec3::new(0.0, 0.0, 0.2), Vec3::new(0.3, 0.0, -1.0), 0.2, 5)
     };

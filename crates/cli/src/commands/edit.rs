@@ -23,7 +23,7 @@ pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     check_ending(&args.output, &["mcap"])?;
     let bytes = read_file(&args.field)?;
     let eff = sound_eff(&bytes, &args.field)?;
-    let groom = read_groom(&args.groom, &args.groom_args, &eff.scene)?;
+    let groom = read_groom(&args.groom, &args.groom_args, &eff.scene, &eff.field.grid)?;
     let edits = tousle_edit::read_edits(&read_file(&args.edits)?)
         .with_context(|| format!("cannot read the edits {}", args.edits.display()))?;
     let n_before = eff.field.layers.len();

@@ -1,6 +1,7 @@
 mod guided;
 mod head;
 mod outputs;
+mod resume;
 
 use super::{check_ending, ending, print_json, read_eff, read_groom};
 use crate::args::{ShapeArg, SimulateArgs};
@@ -8,6 +9,7 @@ use crate::ui::Outcome;
 use anyhow::bail;
 use guided::Simulated;
 use outputs::Outputs;
+use resume::Resumable;
 use std::io::{Seek, Write};
 use std::path::Path;
 use tousle_core::{Groom, Quantity, StrandMotion};
@@ -25,14 +27,15 @@ pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         }
     }
     let eff = read_eff(&args.field)?;
-    let groom = read_groom(&args.groom, &args.groom_args, &eff.scene)?;
+    let groom = read_groom(&args.groom, &args.groom_args, &eff.scene, &eff.field.grid)?;
     let mut options = options(args, eff.field.quantity);
     let mut assumed = Vec::new();
     if let Some(head) = head::read_head(args, &eff)? {
         options.head = Some(head.poses);
         assumed = head.assumed;
     }
-    let mut simulated = guided::simulate(&eff, &groom, &options, args, watch)?;
+    let resumable = Resumable::open(args, &options)?;
+    let mut simulated = guided::simulate(&eff, &groom, &options, args, resumable.as_ref(), watch)?;
     simulated.report.assumed.extend(assumed);
     let scene = Scene { poses: options.head.unwrap_or_else(|| eff.scene.poses.clone()), ..eff.scene.clone() };
     let mut outputs = Outputs::default();
@@ -40,6 +43,9 @@ pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         outputs.add(output, |out| put_motion(output, &simulated.motion, &groom, &scene, args.shape, out))?;
     }
     outputs.appear()?;
+    if let Some(resumable) = resumable {
+        resumable.remove()?;
+    }
     if args.json {
         print_json(&simulated)?;
     } else {
@@ -108,11 +114,13 @@ fn summary(simulated: &Simulated, explain: bool) -> String {
     let (n_strands, n_points, n_frames) = (motion.counts.len(), motion.n_points(), motion.times_secs.len());
     let _ = writeln!(
         text,
-        "{n_strands} strands, {n_points} control points, {n_frames} frames; {} (order {}) in {} steps of {:.3} ms",
+        "{n_strands} strands, {n_points} control points, {n_frames} frames; {} (order {}) in {} steps of {:.3} ms; \
+         stretch at most {:.4} %",
         report.integrator.name(),
         report.order,
         report.n_steps,
-        report.dt_secs * 1e3
+        report.dt_secs * 1e3,
+        report.max_stretch * 1e2
     );
     if let Some(guides) = guides {
         let _ = writeln!(text, "{guides}");

@@ -234,6 +234,8 @@ mod tests {
             lock_width_m: 0.01,
             bending_stiffness_n_m2: 1e-6,
             internal_damping_secs: 0.0,
+            along: tousle_core::Along::default(),
+            holds_style: false,
         };
         let reed = Reed::new(&strand, 0.01, 0);
         let points = [[-0.1, 0.0, 0.0], [-0.1, 0.0, -0.04], [-0.1, 0.0, -0.1]];

@@ -6,6 +6,7 @@ use tousle_core::Vec3;
 
 use super::GroomFormat;
 use super::curve::{Basis, evenly};
+use crate::along::{mean_and_shares, spread};
 use crate::error::GroomReadError;
 use crate::raw::{RawGroom, RawStrand};
 
@@ -38,6 +39,9 @@ pub(super) struct Control<'a> {
     pub(super) is_animated: bool,
 }
 
+/// Of each curve that has any: its mean width, and how many times it the width is at each point.
+type Widths = Option<Vec<Option<(f64, Vec<f64>)>>>;
+
 /// The strands of all objects of a file.
 #[derive(Default)]
 pub(super) struct Curves {
@@ -56,7 +60,7 @@ impl Curves {
     ) -> Result<(), GroomReadError> {
         let counts = control.counts()?;
         let points = control.points(counts.iter().sum(), world_from_object)?;
-        let widths = control.widths(&counts, mean_scale(world_from_object), &mut self.raw.warnings);
+        let mut widths = control.widths(&counts, mean_scale(world_from_object), &mut self.raw.warnings);
         let mut n_without_curve = 0;
         let mut first = 0;
         for (k, n) in counts.iter().enumerate() {
@@ -67,11 +71,13 @@ impl Curves {
                 Kind::Cubic { basis, pinned } => evenly(basis, pinned, these, *n),
             };
             n_without_curve += usize::from(on_curve.is_none());
-            self.raw.strands.push(RawStrand {
-                name: Some(format!("{}[{k}]", control.path)),
-                drawn_width: widths.as_ref().map(|w| w[k]),
-                ..RawStrand::of_points(on_curve.unwrap_or_default())
-            });
+            let mut strand = RawStrand::of_points(on_curve.unwrap_or_default());
+            strand.name = Some(format!("{}[{k}]", control.path));
+            if let Some((mean, shares)) = widths.as_mut().and_then(|w| w[k].take()) {
+                strand.drawn_width = Some(mean);
+                strand.along.width = shares;
+            }
+            self.raw.strands.push(strand);
         }
         if n_without_curve > 0 {
             let note =
@@ -127,31 +133,54 @@ impl Control<'_> {
         Ok(self.points.chunks_exact(3).map(place).collect())
     }
 
-    /// The mean width of each curve, in the file's own space. How many widths there are tells what they belong to.
-    fn widths(&self, counts: &[usize], scale: f64, warnings: &mut Vec<String>) -> Option<Vec<f64>> {
+    /// The mean width of each curve, in the file's own space, and how many times it the width is at each point. How
+    /// many widths there are tells what they belong to.
+    fn widths(&self, counts: &[usize], scale: f64, warnings: &mut Vec<String>) -> Widths {
         let widths = self.widths.filter(|w| !w.is_empty())?;
-        let n_points: usize = counts.iter().sum();
-        let of_curves: Vec<f64> = if widths.len() == 1 {
-            vec![widths[0]; counts.len()]
-        } else if widths.len() == counts.len() {
-            widths.to_vec()
-        } else if widths.len() == n_points {
-            let mut rest = widths;
-            let mut mean = |n: &usize| {
-                let (these, others) = rest.split_at(*n);
-                rest = others;
-                these.iter().sum::<f64>() / *n as f64
-            };
-            counts.iter().map(&mut mean).collect()
+        let at_ends: Vec<usize> = counts.iter().map(|n| self.kind.n_ends(*n)).collect();
+        let of_curves = if widths.len() == 1 {
+            Some(vec![widths; counts.len()])
         } else {
+            [&vec![1; counts.len()], counts, &at_ends].into_iter().find_map(|n| split(widths, n))
+        };
+        let Some(of_curves) = of_curves else {
             let found = widths.len();
             let note =
                 format!("{}: {found} widths, neither one, nor one a curve or a point: not used", self.path);
             warnings.push(note);
             return None;
         };
-        Some(of_curves.into_iter().map(|w| w * scale).collect())
+        let of_curve = |(widths, n_points): (&[f64], &usize)| {
+            (!widths.is_empty()).then(|| {
+                let (mean, shares) = mean_and_shares(&spread(widths, *n_points));
+                (mean * scale, shares)
+            })
+        };
+        Some(of_curves.into_iter().zip(counts).map(of_curve).collect())
     }
+}
+
+impl Kind {
+    /// Ends of segments of a curve of so many control points, its own two included: what `varying` values belong to.
+    fn n_ends(self, n_points: usize) -> usize {
+        match self {
+            Self::Cubic { basis: Basis::Bezier, .. } => n_points.saturating_sub(1) / 3 + 1,
+            Self::Cubic { pinned: false, .. } => n_points.saturating_sub(2),
+            Self::Polyline | Self::Cubic { .. } => n_points,
+        }
+    }
+}
+
+/// Each curve's own of the values of all; `None` if they are not as many.
+fn split<'a>(values: &'a [f64], n_each: &[usize]) -> Option<Vec<&'a [f64]>> {
+    let mut rest = values;
+    let each = n_each.iter().map(|n| {
+        let (own, others) = rest.split_at_checked(*n)?;
+        rest = others;
+        Some(own)
+    });
+    let each: Option<Vec<_>> = each.collect();
+    each.filter(|_| rest.is_empty())
 }
 
 /// How much longer things get on average: the cube root of how much more room they take.
@@ -186,6 +215,26 @@ mod tests {
             let found: Vec<_> = raw.strands.iter().map(|s| s.drawn_width).collect();
             assert_eq!(found, expected.map_or(vec![None, None], |e| e.map(Some).to_vec()));
             assert_eq!(raw.warnings.len(), usize::from(widths.is_some_and(|w| w.len() == 3)));
+        }
+    }
+
+    /// Two curves of four and five points: `vertex` widths are one a point, `varying` ones one an end of a segment.
+    #[test]
+    fn widths_along_a_curve() {
+        let points: Vec<f64> = (0..9).flat_map(|k| [0.0, 0.0, f64::from(k)]).collect();
+        let bspline = Kind::Cubic { basis: Basis::Bspline, pinned: false };
+        let vertex = [1.0, 1.0, 1.0, 1.0, 3.0, 2.0, 2.0, 2.0, 1.0];
+        let varying = [4.0, 2.0, 3.0, 2.0, 1.0];
+        for (kind, widths, expected) in [
+            (Kind::Polyline, &vertex[..], [1.5, 1.0, 1.0, 1.0, 0.5]),
+            (bspline, &varying, [1.5, 1.25, 1.0, 0.75, 0.5]),
+        ] {
+            let mut curves = Curves::default();
+            let control = Control { points: &points, ..control(kind, &[4.0, 5.0], Some(widths)) };
+            curves.take(&control, &Matrix4::identity()).unwrap();
+            let raw = curves.finish().unwrap();
+            assert_eq!(raw.strands[1].along.width, expected);
+            assert_eq!(raw.strands[1].drawn_width, Some(2.0));
         }
     }
 

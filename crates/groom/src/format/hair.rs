@@ -5,6 +5,7 @@
 use tousle_core::Vec3;
 
 use super::{GroomFormat, f32_at, u32_at};
+use crate::along::mean_and_shares;
 use crate::error::GroomReadError;
 use crate::raw::{RawGroom, RawStrand};
 
@@ -107,12 +108,16 @@ fn strand(bytes: &[u8], layout: &Layout, first: usize, n: usize) -> RawStrand {
         Vec3::new(f32_at(bytes, at), f32_at(bytes, at + 4), f32_at(bytes, at + 8))
     };
     // The header's default thickness is a renderer's setting; only an array says something about this hair.
-    let drawn_width = layout.thickness.map(|start| {
+    let thickness = layout.thickness.map(|start| {
         let at = start as usize + 4 * first;
-        (0..n).map(|k| f32_at(bytes, at + 4 * k)).sum::<f64>() / n as f64
+        mean_and_shares(&(0..n).map(|k| f32_at(bytes, at + 4 * k)).collect::<Vec<_>>())
     });
-    let points = (0..n).map(point).collect();
-    RawStrand { drawn_width: drawn_width.filter(|w| w.is_finite()), ..RawStrand::of_points(points) }
+    let mut strand = RawStrand::of_points((0..n).map(point).collect());
+    if let Some((mean, shares)) = thickness.filter(|(mean, _)| mean.is_finite()) {
+        strand.drawn_width = Some(mean);
+        strand.along.width = shares;
+    }
+    strand
 }
 
 fn bad(place: &str, found: String, expected: impl Into<String>) -> GroomReadError {
@@ -149,6 +154,7 @@ mod tests {
         assert_eq!(raw.strands[0].points, [Vec3::new(0.0, 1.0, 2.0), Vec3::new(3.0, 4.0, 5.0)]);
         assert_eq!(raw.strands[1].points, [Vec3::new(6.0, 7.0, 8.0)]);
         assert_eq!(raw.strands[0].drawn_width, Some(2.0));
+        assert_eq!(raw.strands[0].along.width, [0.5, 1.5]);
         assert!(raw.warnings.is_empty());
         bytes.push(0);
         assert_eq!(read(&bytes).unwrap().warnings.len(), 1);

@@ -12,6 +12,7 @@ use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use tousle_core::{UpAxis, Vec3};
 
 use super::GroomFormat;
+use crate::along::mean_and_shares;
 use crate::error::GroomReadError;
 use crate::raw::{RawGroom, RawStrand};
 use values::Values;
@@ -38,11 +39,6 @@ pub(super) fn read(text: &[u8]) -> Result<RawGroom, GroomReadError> {
             let unknown: Vec<&str> = unknown.into_iter().collect();
             warnings.push(format!("fields of {what} that mean nothing here: {}", unknown.join(", ")));
         }
-    }
-    let n_along = file.strands.iter().filter(|s| s.is_along).count();
-    if n_along > 0 {
-        warnings
-            .push(format!("{n_along} strands give a property by the point: its mean stands for the strand"));
     }
     Ok(RawGroom {
         unit_m: Some(1.0),
@@ -88,8 +84,6 @@ struct File {
 struct Strand {
     raw: RawStrand,
     unknown: Vec<String>,
-    /// Whether a property is given by the point.
-    is_along: bool,
 }
 
 impl<'de> Deserialize<'de> for File {
@@ -143,7 +137,7 @@ impl<'de> Visitor<'de> for StrandVisitor {
         let mut strand = Strand::default();
         let raw = &mut strand.raw;
         let mut points: Option<Vec<[f64; 3]>> = None;
-        let (mut width, mut density): (Option<Values>, Option<Values>) = (None, None);
+        let (mut width, mut density, mut stiffness) = (None, None, None);
         while let Some(key) = map.next_key::<String>()? {
             match key.as_str() {
                 "name" => set(&mut raw.name, "name", map.next_value()?)?,
@@ -154,7 +148,7 @@ impl<'de> Visitor<'de> for StrandVisitor {
                     set(&mut density, "linear_density_kg_per_m", map.next_value()?)?;
                 }
                 "bending_stiffness_N_m2" => {
-                    set(&mut raw.bending_stiffness_n_m2, "bending_stiffness_N_m2", map.next_value()?)?;
+                    set(&mut stiffness, "bending_stiffness_N_m2", map.next_value()?)?;
                 }
                 "internal_damping_time_s" => {
                     set(&mut raw.internal_damping_secs, "internal_damping_time_s", map.next_value()?)?;
@@ -167,17 +161,27 @@ impl<'de> Visitor<'de> for StrandVisitor {
         }
         let points = points.ok_or_else(|| A::Error::missing_field("rest_curve_m"))?;
         raw.points = points.into_iter().map(Vec3::from).collect();
-        for n in [width, density].into_iter().flatten().filter_map(|v| v.n) {
-            strand.is_along = true;
-            if n != raw.points.len() {
-                let found =
-                    format!("found a list of {n}, expected one for each of {} points", raw.points.len());
-                return Err(A::Error::custom(found));
-            }
-        }
-        raw.lock_width_m = width.map(|v| v.mean);
-        raw.linear_density_kg_per_m = density.map(|v| v.mean);
+        let n_points = raw.points.len();
+        (raw.lock_width_m, raw.along.width) = along(width, n_points)?;
+        (raw.linear_density_kg_per_m, raw.along.linear_density) = along(density, n_points)?;
+        (raw.bending_stiffness_n_m2, raw.along.bending_stiffness) = along(stiffness, n_points)?;
         Ok(strand)
+    }
+}
+
+/// The number that stands for a property, and how many times it the property is at each point.
+fn along<E: Error>(values: Option<Values>, n_points: usize) -> Result<(Option<f64>, Vec<f64>), E> {
+    match values {
+        None => Ok((None, Vec::new())),
+        Some(Values::One(value)) => Ok((Some(value), Vec::new())),
+        Some(Values::Along(list)) if list.len() == n_points => {
+            let (mean, shares) = mean_and_shares(&list);
+            Ok((Some(mean), shares))
+        }
+        Some(Values::Along(list)) => {
+            let n = list.len();
+            Err(E::custom(format!("found a list of {n}, expected one for each of {n_points} points")))
+        }
     }
 }
 
@@ -227,7 +231,8 @@ mod tests {
         let raw = strand("\"lock_width_m\": [0.004, 0.002], \"linear_density_kg_per_m\": 1").unwrap();
         assert_eq!(raw.strands[0].lock_width_m, Some(0.003));
         assert_eq!(raw.strands[0].linear_density_kg_per_m, Some(1.0));
-        assert_eq!(raw.warnings, ["1 strands give a property by the point: its mean stands for the strand"]);
+        assert_eq!(raw.strands[0].along.width, [0.004 / 0.003, 0.002 / 0.003]);
+        assert!(raw.strands[0].along.linear_density.is_empty() && raw.warnings.is_empty());
         for (fields, says) in [
             ("\"lock_width_m\": [1, 2, 3]", "found a list of 3, expected one for each of 2 points"),
             ("\"lock_width_m\": []", "a list of one for each point"),

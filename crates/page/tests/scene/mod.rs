@@ -71,6 +71,8 @@ fn strand(k: usize, n: usize) -> Strand {
         lock_width_m: 0.005,
         bending_stiffness_n_m2: 1e-6,
         internal_damping_secs: 0.02,
+        along: tousle_core::Along::default(),
+        holds_style: false,
     }
 }
 

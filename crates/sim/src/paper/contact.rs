@@ -1,18 +1,10 @@
 use super::PaperModel;
 use crate::joint::JointStep;
 use crate::timeline::StepScene;
+use crate::touchable::Touchable;
 use nalgebra::Matrix3;
 use tousle_core::Vec3;
 use tousle_rod::{Lock, Rest};
-
-/// A collider that a strand can reach.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Touchable {
-    /// Index in the body.
-    pub collider: usize,
-    /// Whether the torso carries it.
-    pub on_torso: bool,
-}
 
 /// Ψ of E2: what the body does to the points it touches, found so that they stay outside.
 ///

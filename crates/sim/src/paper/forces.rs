@@ -66,11 +66,11 @@ impl PaperStrand {
                 (vector - head, Vec3::zeros())
             }
             Quantity::ForcePerMass => {
-                let push = vector * lock.linear_density_kg_per_m;
-                model.wind_that_pushes(push, direction, lock.width_m)
+                let push = vector * lock.linear_densities_kg_per_m[j];
+                model.wind_that_pushes(push, direction, lock.widths_m[j])
             }
         };
-        let drag = model.drag.at(lock.width_m, direction, wind - velocity);
+        let drag = model.drag.at(lock.widths_m[j], direction, wind - velocity);
         let length = lock.hair_lengths_m[j];
         let outer = |a: Vec3| a * a.transpose();
         let along = outer(direction);

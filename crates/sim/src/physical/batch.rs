@@ -1,6 +1,7 @@
 use super::contact::Touchable;
 use super::link::{Link, State, Work};
 use crate::lane::{Lane, Turn, Vector};
+pub(crate) use crate::parts::Count;
 use tousle_core::Vec3;
 use tousle_rod::DragLaw;
 
@@ -43,9 +44,9 @@ pub(crate) struct Batch<L> {
     pub root: Vector<L>,
     /// Axes of the first sticks at rest.
     pub root_turn: Turn<L>,
-    /// Widths, m, and masses per length, kg/m, of each strand.
-    pub widths_m: L,
-    pub densities: L,
+    /// Widths, m, and masses per length, kg/m, of each stick.
+    pub widths_m: Vec<L>,
+    pub densities: Vec<L>,
     pub links: Vec<Link<L>>,
     pub states: Vec<State<L>>,
     pub touchable: Vec<Touchable<L>>,
@@ -54,33 +55,6 @@ pub(crate) struct Batch<L> {
     /// Whether nothing has moved yet.
     pub at_rest: bool,
     pub count: Count,
-}
-
-/// What stepping took.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Count {
-    /// Steps that were taken, of one strand or several at once.
-    pub steps: u64,
-    /// Steps in which nothing could move, and nothing was done.
-    pub slept: u64,
-    /// Iterations of all steps.
-    pub iterations: u64,
-    /// Steps that did not settle, and the farthest that a point still moved, m.
-    pub unsettled: u64,
-    pub unsettled_m: f64,
-}
-
-impl Count {
-    /// The sum of two.
-    pub fn and(self, o: Self) -> Self {
-        Self {
-            steps: self.steps + o.steps,
-            slept: self.slept + o.slept,
-            iterations: self.iterations + o.iterations,
-            unsettled: self.unsettled + o.unsettled,
-            unsettled_m: self.unsettled_m.max(o.unsettled_m),
-        }
-    }
 }
 
 impl<L: Lane> Batch<L> {

@@ -2,6 +2,7 @@ use super::batch::{Batch, Count};
 use super::contact::{CONTACT_RATE, Touchable, limit_m};
 use super::link::{Link, State};
 use crate::lane::{Lane, Turn, Vector};
+use crate::touchable::Touchable as Reached;
 use nalgebra::UnitQuaternion;
 use tousle_core::Vec3;
 use tousle_rod::{DragLaw, Lock, Rest, shortest_rotation};
@@ -16,12 +17,14 @@ pub(crate) struct Prepared {
     /// Stiffness times the natural turn of each joint, axes of the stick before, N·m.
     pub natural: Vec<Vec3>,
     /// Colliders in reach.
-    pub reaches: Vec<usize>,
+    pub reaches: Vec<Reached>,
+    /// By how many times joints were made stiffer to hold the style, at most; 1 if none was.
+    pub stiffened: f64,
 }
 
 impl Prepared {
     /// The frames of a strand at rest, and the natural turns that leave it in balance there.
-    pub fn new(lock: Lock, rest: Rest, reaches: Vec<usize>) -> Self {
+    pub fn new(lock: Lock, rest: Rest, reaches: Vec<Reached>, stiffened: f64) -> Self {
         let mut turns: Vec<UnitQuaternion<f64>> = Vec::with_capacity(lock.n_sticks());
         let mut natural = Vec::with_capacity(lock.n_sticks());
         let mut direction_before = Vec3::x();
@@ -36,7 +39,11 @@ impl Prepared {
             turns.push(turn);
             direction_before = *direction;
         }
-        Self { lock, rest, turns, natural, reaches }
+        Self { lock, rest, turns, natural, reaches, stiffened }
+    }
+
+    fn reaches(&self, collider: usize) -> bool {
+        self.reaches.iter().any(|r| r.collider == collider)
     }
 
     /// Deepest that the rest curve lies in the body, m, ≥ 0.
@@ -78,16 +85,24 @@ pub(crate) fn build<L: Lane>(strands: &[(usize, &Prepared)], law: &DragLaw, n_co
             stiffness: per_stick(k, &|p| p.lock.joint_stiffness[k], 1e-6),
             damping_secs: per_stick(k, &|p| p.lock.damping_secs, 0.0),
             natural: Vector::from_fn(|lane| of(lane).natural.get(k).copied().unwrap_or_default()),
-            drag: per_stick(k, &|p| 0.5 * law.air_density * p.lock.width_m * p.lock.hair_lengths_m[k], 0.0),
+            drag: per_stick(
+                k,
+                &|p| 0.5 * law.air_density * p.lock.widths_m[k] * p.lock.hair_lengths_m[k],
+                0.0,
+            ),
             viscous: per_stick(
                 k,
                 &|p| {
-                    let cbrt = libm::cbrt(law.viscosity / p.lock.width_m);
+                    let cbrt = libm::cbrt(law.viscosity / p.lock.widths_m[k]);
                     10.0 * cbrt * cbrt
                 },
                 0.0,
             ),
-            rotary: per_stick(k, &|p| p.lock.masses_kg[k] * p.lock.width_m * p.lock.width_m / 8.0, 0.0),
+            rotary: per_stick(
+                k,
+                &|p| p.lock.masses_kg[k] * p.lock.widths_m[k] * p.lock.widths_m[k] / 8.0,
+                0.0,
+            ),
         })
         .collect();
     let states: Vec<State<L>> = (0..n).map(|k| state_at_rest(k, &of)).collect();
@@ -96,8 +111,8 @@ pub(crate) fn build<L: Lane>(strands: &[(usize, &Prepared)], law: &DragLaw, n_co
         strands: strands.iter().map(|s| s.0).collect(),
         root: Vector::from_fn(|lane| of(lane).lock.root_m),
         root_turn: turn_lanes(|lane| of(lane).turns[0]),
-        widths_m: L::from_fn(|lane| of(lane).lock.width_m),
-        densities: L::from_fn(|lane| of(lane).lock.linear_density_kg_per_m),
+        widths_m: (0..n).map(|k| per_stick(k, &|p| p.lock.widths_m[k], 1e-3)).collect(),
+        densities: (0..n).map(|k| per_stick(k, &|p| p.lock.linear_densities_kg_per_m[k], 0.0)).collect(),
         links,
         states,
         touchable,
@@ -108,7 +123,7 @@ pub(crate) fn build<L: Lane>(strands: &[(usize, &Prepared)], law: &DragLaw, n_co
 }
 
 /// Spring of a contact, N/m: [`CONTACT_RATE`] for the mean mass of the lock's points.
-fn contact_stiffness(lock: &Lock) -> f64 {
+pub(super) fn contact_stiffness(lock: &Lock) -> f64 {
     lock.masses_kg.iter().sum::<f64>() / lock.n_sticks() as f64 * CONTACT_RATE * CONTACT_RATE
 }
 
@@ -157,7 +172,7 @@ fn touchable<'a, L: Lane>(
     strands: &[(usize, &Prepared)],
     of: &impl Fn(usize) -> &'a Prepared,
 ) -> Option<Touchable<L>> {
-    if !strands.iter().any(|s| s.1.reaches.contains(&collider)) {
+    if !strands.iter().any(|s| s.1.reaches(collider)) {
         return None;
     }
     let bearing_n = |p: &Prepared, stick: usize| {
@@ -169,7 +184,7 @@ fn touchable<'a, L: Lane>(
         borne.map_or(Vec3::zeros(), |b| -b.rub_n / contact_stiffness(&p.lock))
     };
     let limit = |p: &Prepared, stick: usize| {
-        if stick >= p.lock.n_sticks() || !p.reaches.contains(&collider) {
+        if stick >= p.lock.n_sticks() || !p.reaches(collider) {
             return f64::NEG_INFINITY;
         }
         let clearance_m = p.rest.clearances_m[collider * p.lock.n_sticks() + stick];

@@ -167,7 +167,8 @@ impl<L: Lane> Batch<L> {
         let half = L::splat(0.5);
         let mut before = self.root;
         let (mut points, mut winds) = ([[0.0; 3]; SAMPLED_TOGETHER], [[0.0; 3]; SAMPLED_TOGETHER]);
-        for sticks in work.chunks_mut(SAMPLED_TOGETHER / L::N) {
+        let n_together = SAMPLED_TOGETHER / L::N;
+        for (chunk, sticks) in work.chunks_mut(n_together).enumerate() {
             for (points, work) in points.chunks_exact_mut(L::N).zip(&*sticks) {
                 let middle = (before + work.place) * half;
                 for (lane, point) in points.iter_mut().enumerate() {
@@ -177,20 +178,25 @@ impl<L: Lane> Batch<L> {
             }
             let n = sticks.len() * L::N;
             wind.sample_all(&points[..n], &mut winds[..n]);
-            for (winds, work) in winds.chunks_exact(L::N).zip(sticks) {
+            for (k, (winds, work)) in winds.chunks_exact(L::N).zip(sticks).enumerate() {
+                let stick = chunk * n_together + k;
                 work.wind = Vector::from_fn(|lane| {
                     let found = Vec3::from(winds[lane].map(f64::from));
-                    model.force_law.as_ref().map_or(found, |law| self.wind_of_force(law, lane, found))
+                    model
+                        .force_law
+                        .as_ref()
+                        .map_or(found, |law| self.wind_of_force(law, (stick, lane), found))
                 });
             }
         }
     }
 
     /// The wind that pushes a strand that lies across it as hard as a force per mass, m/s².
-    fn wind_of_force(&self, law: &DragLaw, lane: usize, per_mass: Vec3) -> Vec3 {
+    fn wind_of_force(&self, law: &DragLaw, (stick, lane): (usize, usize), per_mass: Vec3) -> Vec3 {
         let strength = per_mass.norm();
         if strength > 0.0 {
-            let speed = law.speed_across(self.widths_m.get(lane), self.densities.get(lane) * strength);
+            let (width_m, density) = (self.widths_m[stick].get(lane), self.densities[stick].get(lane));
+            let speed = law.speed_across(width_m, density * strength);
             per_mass * (speed / strength)
         } else {
             Vec3::zeros()

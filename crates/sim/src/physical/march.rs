@@ -10,6 +10,7 @@ use super::scene::{Carry, Now};
 use crate::Integrator;
 use crate::frames::{Frames, single};
 use crate::lane::{Lane, Wide1};
+use crate::parts::Part;
 use crate::timeline::Timeline;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -26,15 +27,12 @@ pub(super) struct March<'a> {
     /// [`Integrator::Adaptive`]: the most that a step may be off, m.
     pub tolerance_m: f64,
     pub groom: &'a Groom,
+    /// The strands to be moved, in ascending order.
+    pub strands: &'a [usize],
+    /// All strands of the groom.
     pub prepared: &'a [Prepared],
     pub law: DragLaw,
     pub progress: &'a dyn Progress,
-}
-
-/// What moved, and what it took.
-pub(super) struct Moved {
-    pub positions_m: Vec<[f32; 3]>,
-    pub count: Count,
 }
 
 /// More points than this, and a step's field is laid together for the whole grid before they ask.
@@ -75,16 +73,27 @@ impl<L: Lane> pulp::NullaryFnOnce for ImplicitStep<'_, '_, L> {
     }
 }
 
+/// Strands in an order in which neighbors in a batch have as many sticks, and neighbors in the list grow close by.
+pub(super) fn order(prepared: &[Prepared], strands: &[usize]) -> Vec<usize> {
+    let mut order = strands.to_vec();
+    let cell = |p: &Prepared| {
+        let [x, y, z] = [0, 1, 2].map(|axis| ((p.lock.root_m[axis] + 0.5) * 50.0) as i64);
+        (x, y, z)
+    };
+    order.sort_by_cached_key(|s| (prepared[*s].lock.n_sticks(), cell(&prepared[*s])));
+    order
+}
+
 impl March<'_> {
     /// All batches through all steps, a block of steps at a time.
-    pub fn in_step<L: Lane>(&self) -> Moved {
+    pub fn in_step<L: Lane>(&self) -> Part {
         let timeline = self.timeline;
         let together = self.groom.n_points() > TOGETHER_FROM;
         let block = if together { BLOCK_OF_MANY } else { BLOCK_OF_FEW };
-        let mut frames = Frames::new(self.groom, timeline.n_frames);
+        let mut frames = Frames::new(self.groom, self.strands, timeline.n_frames);
         let mut batches = self.batches::<L>();
         let done = AtomicU64::new(0);
-        let total = (self.groom.strands.len() * timeline.n_steps()) as u64;
+        let total = (self.strands.len() * timeline.n_steps()) as u64;
         for begin in (0..timeline.n_steps()).step_by(block) {
             let steps = begin..(begin + block).min(timeline.n_steps());
             let worlds: Vec<World<'_>> = steps.clone().map(|step| self.world(step, together)).collect();
@@ -105,7 +114,7 @@ impl March<'_> {
             }
         }
         let count = batches.iter().fold(Count::default(), |sum, b| sum.and(b.count));
-        Moved { positions_m: frames.positions_m, count }
+        Part { positions_m: frames.positions_m, count }
     }
 
     /// A batch through a block of steps. Out: its strands' points in every frame that these complete.
@@ -134,7 +143,7 @@ impl March<'_> {
     }
 
     /// Strand by strand through all steps of an explicit integrator.
-    pub fn explicit(&self) -> Moved {
+    pub fn explicit(&self) -> Part {
         let dt_secs = self.timeline.dt_secs();
         let is_rk4 = self.integrator == Integrator::Rk4;
         let first = Now::new(self.timeline, self.sampler, self.secs(0), false);
@@ -155,7 +164,7 @@ impl March<'_> {
     }
 
     /// Every strand at its own pace.
-    pub fn adaptive(&self) -> Moved {
+    pub fn adaptive(&self) -> Part {
         self.one_by_one(|batch, work, frame, pace: &mut Option<Pace>| {
             let pace = pace.get_or_insert_with(Pace::new);
             let span = (self.timeline.frame_secs(frame - 1), self.timeline.frame_secs(frame));
@@ -167,9 +176,9 @@ impl March<'_> {
     fn one_by_one<K: Send>(
         &self,
         to_frame: impl Fn(&mut Batch<Wide1>, &mut [Work<Wide1>], usize, &mut Option<K>) + Sync,
-    ) -> Moved {
+    ) -> Part {
         let n_frames = self.timeline.n_frames;
-        let mut frames = Frames::new(self.groom, n_frames);
+        let mut frames = Frames::new(self.groom, self.strands, n_frames);
         let mut batches = self.batches::<Wide1>();
         let done = AtomicU64::new(0);
         let total = (batches.len() * (n_frames - 1)) as u64;
@@ -193,18 +202,7 @@ impl March<'_> {
             }
         }
         let count = batches.iter().fold(Count::default(), |sum, b| sum.and(b.count));
-        Moved { positions_m: frames.positions_m, count }
-    }
-
-    /// Strands in an order in which neighbors in a batch have as many sticks, and neighbors in the list grow close by.
-    fn order(&self) -> Vec<usize> {
-        let mut order: Vec<usize> = (0..self.prepared.len()).collect();
-        let cell = |p: &Prepared| {
-            let [x, y, z] = [0, 1, 2].map(|axis| ((p.lock.root_m[axis] + 0.5) * 50.0) as i64);
-            (x, y, z)
-        };
-        order.sort_by_cached_key(|s| (self.prepared[*s].lock.n_sticks(), cell(&self.prepared[*s])));
-        order
+        Part { positions_m: frames.positions_m, count }
     }
 
     fn batches<L: Lane>(&self) -> Vec<Batch<L>> {
@@ -213,7 +211,7 @@ impl March<'_> {
             let strands: Vec<_> = strands.iter().map(|s| (*s, &self.prepared[*s])).collect();
             build(&strands, &self.law, n_colliders)
         };
-        let mut batches: Vec<Batch<L>> = self.order().chunks(L::N).map(batch).collect();
+        let mut batches: Vec<Batch<L>> = order(self.prepared, self.strands).chunks(L::N).map(batch).collect();
         // A head that is held otherwise than at rest sets its hair going.
         let hangs_still = self.timeline.tilt_at_start() == 0.0;
         batches.iter_mut().for_each(|batch| batch.at_rest = hangs_still);

@@ -1,5 +1,6 @@
 //! Simulates all strands, or some that the others follow.
 
+use super::resume::Resumable;
 use crate::args::SimulateArgs;
 use serde::Serialize;
 use std::fmt;
@@ -7,7 +8,7 @@ use tousle_core::{Groom, StrandMotion};
 use tousle_eff::Eff;
 use tousle_guide::{FollowError, Guides};
 use tousle_pipeline::Watch;
-use tousle_sim::{SimOptions, SimReport, Simulation};
+use tousle_sim::{Keeper, SimOptions, SimReport, Simulation};
 
 /// The motion of all strands and how it came about.
 #[derive(Debug, Serialize)]
@@ -15,7 +16,7 @@ pub struct Simulated {
     /// The motion.
     #[serde(skip)]
     pub motion: StrandMotion,
-    /// What the simulator says; of the guides, if there are any.
+    /// What the simulator says; of the guides, if there are any, but for the stretch, which is that of all strands.
     #[serde(flatten)]
     pub report: SimReport,
     /// Who followed whom.
@@ -40,10 +41,13 @@ pub fn simulate(
     groom: &Groom,
     options: &SimOptions,
     args: &SimulateArgs,
+    resumable: Option<&Resumable>,
     watch: &dyn Watch,
 ) -> anyhow::Result<Simulated> {
     let run = |stage: &'static str, groom: &Groom| {
-        tousle_sim::simulate(&eff.field, &eff.scene, groom, options, &*watch.stage(stage))
+        let stage_keeper = resumable.map(|run| run.stage(stage));
+        let keeper = stage_keeper.as_ref().map(|stage| stage as &dyn Keeper);
+        tousle_sim::simulate_kept(&eff.field, &eff.scene, groom, options, keeper, &*watch.stage(stage))
     };
     let n_guides = args.guides.map(|n| n as usize).filter(|n| *n < groom.strands.len());
     let Some(n_guides) = n_guides else {
@@ -51,8 +55,9 @@ pub fn simulate(
         return Ok(Simulated { motion, report, guides: None });
     };
     let guides = tousle_guide::choose(groom, n_guides)?;
-    let Simulation { motion, report } = run("simulate", &guides.groom(groom))?;
+    let Simulation { motion, mut report } = run("simulate", &guides.groom(groom))?;
     let motion = tousle_guide::follow(groom, &guides, &motion, &*watch.stage("follow"))?;
+    report.max_stretch = tousle_sim::max_stretch(&motion);
     let sample = guides.sample(args.guides_check as usize);
     let mut error = None;
     if !sample.is_empty() {

@@ -70,7 +70,7 @@ fn read_usda(
 }
 
 /// `FILE.usda:/World/Head` as file and prim.
-fn split(name: &str) -> (PathBuf, Option<String>) {
+pub fn split(name: &str) -> (PathBuf, Option<String>) {
     let at = name.to_ascii_lowercase().find(".usda:/").map(|at| at + ".usda".len());
     match at {
         Some(at) => (name[..at].into(), Some(name[at + 1..].to_owned())),

@@ -5,13 +5,13 @@ use std::fmt;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 
-/// What a file says of a property, and the number that stands for it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Values {
-    /// The number, or the mean of the list.
-    pub(super) mean: f64,
-    /// How long the list is; `None` for a number.
-    pub(super) n: Option<usize>,
+/// What a file says of a property.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Values {
+    /// One number for the whole strand.
+    One(f64),
+    /// One for each point, at least one, all above 0.
+    Along(Vec<f64>),
 }
 
 impl<'de> Deserialize<'de> for Values {
@@ -29,8 +29,8 @@ impl<'de> Visitor<'de> for ValuesVisitor {
         f.write_str("a number, or a list of one for each point")
     }
 
-    fn visit_f64<E: Error>(self, mean: f64) -> Result<Values, E> {
-        Ok(Values { mean, n: None })
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Values, E> {
+        Ok(Values::One(value))
     }
 
     fn visit_u64<E: Error>(self, value: u64) -> Result<Values, E> {
@@ -42,17 +42,16 @@ impl<'de> Visitor<'de> for ValuesVisitor {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Values, A::Error> {
-        let (mut sum, mut n) = (0.0, 0);
+        let mut values = Vec::new();
         while let Some(value) = list.next_element::<f64>()? {
             if !(value.is_finite() && value > 0.0) {
                 return Err(A::Error::custom(format!("found {value} in a list, expected numbers above 0")));
             }
-            sum += value;
-            n += 1;
+            values.push(value);
         }
-        if n == 0 {
+        if values.is_empty() {
             return Err(A::Error::invalid_length(0, &self));
         }
-        Ok(Values { mean: sum / n as f64, n: Some(n) })
+        Ok(Values::Along(values))
     }
 }

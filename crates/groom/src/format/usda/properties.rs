@@ -2,32 +2,59 @@
 
 use tousle_usda::Prim;
 
+use crate::along::mean_and_shares;
 use crate::raw::RawStrand;
 
 type Field = fn(&mut RawStrand) -> &mut Option<f64>;
+type Shares = fn(&mut RawStrand) -> &mut Vec<f64>;
 
-/// One value for all curves of a prim (`constant`) or one for each (`uniform`).
-const PROPERTIES: [(&str, Field); 4] = [
-    ("primvars:linear_density_kg_per_m", |s| &mut s.linear_density_kg_per_m),
-    ("primvars:lock_width_m", |s| &mut s.lock_width_m),
-    ("primvars:bending_stiffness_N_m2", |s| &mut s.bending_stiffness_n_m2),
-    ("primvars:internal_damping_time_s", |s| &mut s.internal_damping_secs),
+/// One value for all curves of a prim (`constant`) or one for each (`uniform`), and for some one for each point
+/// (`vertex`, `varying`).
+const PROPERTIES: [(&str, Field, Option<Shares>); 4] = [
+    (
+        "primvars:linear_density_kg_per_m",
+        |s| &mut s.linear_density_kg_per_m,
+        Some(|s| &mut s.along.linear_density),
+    ),
+    ("primvars:lock_width_m", |s| &mut s.lock_width_m, Some(|s| &mut s.along.width)),
+    (
+        "primvars:bending_stiffness_N_m2",
+        |s| &mut s.bending_stiffness_n_m2,
+        Some(|s| &mut s.along.bending_stiffness),
+    ),
+    ("primvars:internal_damping_time_s", |s| &mut s.internal_damping_secs, None),
 ];
 
 /// Gives a prim's strands the properties it has.
 pub(super) fn apply(prim: &Prim, path: &str, strands: &mut [RawStrand], warnings: &mut Vec<String>) {
-    for (name, field) in PROPERTIES {
+    let n_points: usize = strands.iter().map(|s| s.points.len()).sum();
+    for (name, field, shares) in PROPERTIES {
         let Some(values) = prim.numbers(name) else { continue };
         let is_indexed = prim.properties.contains_key(&format!("{name}:indices"));
-        if is_indexed || !(values.len() == 1 || values.len() == strands.len()) {
+        let by_point = shares.filter(|_| values.len() == n_points);
+        let by_curve = values.len() == 1 || values.len() == strands.len();
+        if is_indexed || !(by_curve || by_point.is_some()) {
             let n = values.len();
             let found = if is_indexed { "indices".to_owned() } else { format!("{n} values") };
-            warnings
-                .push(format!("{path}.{name}: found {found}, expected one value or one a curve: not used"));
+            let expected = if shares.is_some() {
+                "one value, or one a curve or a point"
+            } else {
+                "one value or one a curve"
+            };
+            warnings.push(format!("{path}.{name}: found {found}, expected {expected}: not used"));
             continue;
         }
+        let mut rest = values;
         for (k, strand) in strands.iter_mut().enumerate() {
-            *field(strand) = Some(values[if values.len() == 1 { 0 } else { k }]);
+            if by_curve {
+                *field(strand) = Some(values[if values.len() == 1 { 0 } else { k }]);
+            } else if let Some(shares) = by_point {
+                let (own, others) = rest.split_at(strand.points.len());
+                rest = others;
+                let (mean, along) = mean_and_shares(own);
+                *field(strand) = Some(mean);
+                *shares(strand) = along;
+            }
         }
     }
 }
@@ -43,7 +70,7 @@ mod tests {
             point3f[] points = [(0, 0, 0), (0, 0, 1), (1, 0, 0), (1, 0, 1)]
             float primvars:lock_width_m = 0.004 (interpolation = \"constant\")
             float[] primvars:linear_density_kg_per_m = [0.001, 0.002] (interpolation = \"uniform\")
-            float[] primvars:bending_stiffness_N_m2 = [1, 2, 3, 4] (interpolation = \"vertex\")
+            float[] primvars:bending_stiffness_N_m2 = [1, 3, 5, 5] (interpolation = \"vertex\")
             float[] primvars:internal_damping_time_s = [1, 2] (interpolation = \"uniform\")
             int[] primvars:internal_damping_time_s:indices = [1, 0] }";
         let raw = read(layer).unwrap();
@@ -55,11 +82,12 @@ mod tests {
         );
         assert_eq!(first.linear_density_kg_per_m, Some(0.001));
         assert_eq!(second.linear_density_kg_per_m, Some(0.002));
-        assert_eq!((second.bending_stiffness_n_m2, second.internal_damping_secs), (None, None));
+        assert_eq!((second.bending_stiffness_n_m2, second.internal_damping_secs), (Some(5.0), None));
+        assert_eq!(first.bending_stiffness_n_m2, Some(2.0));
+        assert_eq!(first.along.bending_stiffness, [0.5, 1.5]);
         assert_eq!(
             raw.warnings,
             [
-                "/c.primvars:bending_stiffness_N_m2: found 4 values, expected one value or one a curve: not used",
                 "/c.primvars:internal_damping_time_s: found indices, expected one value or one a curve: not used"
             ]
         );

@@ -1,0 +1,107 @@
+//! A run that is stopped and goes on gives the same bytes as one that was never stopped.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod common;
+
+use common::{groom, mannequin, options, physical, straight, uniform};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::error::Error;
+use tousle_core::{Groom, NoProgress, Quantity, Vec3};
+use tousle_sim::{Integrator, Keeper, Part, SimError, SimOptions, Simulation, simulate, simulate_kept};
+
+/// Keeps parts in memory and stops the run when it has so many.
+struct Shelf {
+    parts: RefCell<BTreeMap<usize, Part>>,
+    most: usize,
+}
+
+impl Keeper for Shelf {
+    fn strands_per_part(&self) -> Option<usize> {
+        Some(8)
+    }
+
+    fn kept(&self, part: usize) -> Result<Option<Part>, Box<dyn Error + Send + Sync>> {
+        Ok(self.parts.borrow().get(&part).cloned())
+    }
+
+    fn keep(&self, number: usize, part: &Part) -> Result<(), Box<dyn Error + Send + Sync>> {
+        if self.parts.borrow().len() == self.most {
+            return Err("the shelf is full".into());
+        }
+        self.parts.borrow_mut().insert(number, part.clone());
+        Ok(())
+    }
+}
+
+/// Thirty strands of four lengths on the head.
+fn thirty() -> Groom {
+    groom(
+        (0..30)
+            .map(|k| {
+                let (sin, cos) = libm::sincos(f64::from(k));
+                let root = Vec3::new(0.08 * cos, 0.06 * sin, 0.03);
+                straight(root, Vec3::new(cos, sin, -1.0), 0.1 + 0.01 * f64::from(k), 3 + k as usize % 4)
+            })
+            .collect(),
+    )
+}
+
+fn run(groom: &Groom, options: &SimOptions, keeper: Option<&dyn Keeper>) -> Result<Simulation, SimError> {
+    let gusts = [Vec3::zeros(), Vec3::new(-8.0, 3.0, 0.0), Vec3::new(5.0, 0.0, 2.0)];
+    let field = uniform(Quantity::AirVelocity, 10.0, &gusts);
+    simulate_kept(&field, &mannequin(), groom, options, keeper, &NoProgress)
+}
+
+#[test]
+fn a_stopped_run_goes_on_to_the_same_bytes() {
+    let groom = thirty();
+    for options in [
+        physical(Integrator::Implicit, 1.0 / 120.0, 0.3),
+        physical(Integrator::Adaptive, 1.0 / 120.0, 0.1),
+        options(Integrator::Exponential, 1.0 / 120.0, 0.3),
+    ] {
+        let never_stopped = run(&groom, &options, None).unwrap();
+        let shelf = Shelf { parts: RefCell::default(), most: 2 };
+        assert!(matches!(run(&groom, &options, Some(&shelf)), Err(SimError::Keeper(_))));
+        assert_eq!(shelf.parts.borrow().len(), 2, "what was done is kept");
+        let shelf = Shelf { most: 99, ..shelf };
+        let stopped = run(&groom, &options, Some(&shelf)).unwrap();
+        assert!(stopped == never_stopped, "{:?}", options.integrator);
+        assert_eq!(shelf.parts.borrow().len(), 4);
+    }
+}
+
+#[test]
+fn a_part_of_another_size_is_refused() {
+    let options = physical(Integrator::Implicit, 1.0 / 60.0, 0.1);
+    let shelf = Shelf { parts: RefCell::default(), most: 99 };
+    run(&thirty(), &options, Some(&shelf)).unwrap();
+    let longer = SimOptions { duration_secs: Some(0.2), ..options };
+    assert!(matches!(run(&thirty(), &longer, Some(&shelf)), Err(SimError::OtherPart { number: 0 })));
+}
+
+/// The style of a strand that nobody gave a stiffness stays up; one that is as soft by word of its groom falls.
+#[test]
+fn a_style_stays_up() {
+    let soft = |holds_style| {
+        let mut strand = straight(Vec3::new(0.0, 0.08, 0.0), Vec3::y(), 0.2, 16);
+        strand.bending_stiffness_n_m2 = 1e-8;
+        strand.holds_style = holds_style;
+        groom(vec![strand])
+    };
+    let still = common::still_air();
+    // The air is not quite still, as nowhere.
+    let breath = uniform(Quantity::AirVelocity, 30.0, &[Vec3::new(0.01, 0.0, 0.0)]);
+    let options = physical(Integrator::Implicit, 1.0 / 120.0, 3.0);
+    let moved = |field, holds_style| {
+        let simulation = simulate(field, &mannequin(), &soft(holds_style), &options, &NoProgress).unwrap();
+        let told = simulation.report.assumed.iter().any(|a| a.what.contains("where they lean out"));
+        assert_eq!(told, holds_style, "what was made stiffer is said");
+        common::farthest(&simulation.motion)
+    };
+    assert_eq!(moved(&still, true), 0.0);
+    let (held, fallen) = (moved(&breath, true), moved(&breath, false));
+    assert!(held < 2e-3 && fallen > 0.1, "{held} m held, {fallen} m not");
+}
