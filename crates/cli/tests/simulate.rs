@@ -78,7 +78,7 @@ fn several_outputs_appear_together_or_not_at_all() {
 #[test]
 fn a_run_that_was_killed_goes_on_to_the_same_bytes() {
     let room = room_with_a_field();
-    let simulate = "simulate f.eff.mcap --groom bob.json --method physical --dt-secs 5e-5 --guides 40";
+    let simulate = "simulate f.eff.mcap --groom bob.json --duration-secs 2 --dt-secs 2e-4 --guides 40";
     room.run(&format!("{simulate} -o whole.npz")).ended(0);
     let resumed = format!("{simulate} -o out.npz --resume=8");
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_tousle"))
