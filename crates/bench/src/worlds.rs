@@ -89,6 +89,8 @@ pub fn strand(rest_curve_m: Vec<Vec3>) -> Strand {
         lock_width_m: 4e-3,
         bending_stiffness_n_m2: 2e-6,
         internal_damping_secs: 0.02,
+        along: tousle_core::Along::default(),
+        holds_style: false,
     }
 }
 
