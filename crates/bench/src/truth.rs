@@ -1,11 +1,10 @@
 //! The truth beside a capture: where hair and head really went, and the wind.
 
 use crate::{ReferenceLock, TrueMotion, TrueWind};
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-use tousle_core::{Pose, PoseTrack, Vec3};
-use tousle_export::{NpzError, read_numbers_npz};
+use tousle_core::{PoseTrack, Vec3};
+use tousle_export::{NpzError, read_numbers_npz, read_poses_npz};
 use tousle_field::GridSpec;
 
 /// The truth of one capture. For judging only: nothing in it may be an input to what is judged.
@@ -170,23 +169,9 @@ impl Truth {
     /// # Errors
     /// [`TruthError`] if the file is not there or not as it should be.
     pub fn head(&self) -> Result<PoseTrack, TruthError> {
-        let npz = self.npz("truth/head.npz")?;
-        let times_secs: Vec<f64> = npz.numbers("t", &[0])?;
-        let t = times_secs.len();
-        let turns: Vec<f64> = npz.numbers("R", &[t, 3, 3])?;
-        let places = npz.vectors("p", &[t, 3])?;
-        let (Some(start_secs), Some(end_secs)) = (times_secs.first(), times_secs.last()) else {
-            return Err(npz.mismatch("no poses", "at least one"));
-        };
-        let pose = |(turn, place): (&[f64], [f32; 3])| {
-            let rotation = Rotation3::from_matrix(&Matrix3::from_row_slice(turn));
-            Pose::from_parts(Vec3::from(place.map(f64::from)).into(), UnitQuaternion::from(rotation))
-        };
-        Ok(PoseTrack {
-            start_secs: *start_secs,
-            rate_hz: if t > 1 { (t - 1) as f64 / (end_secs - start_secs) } else { 1.0 },
-            poses: turns.chunks_exact(9).zip(places).map(pose).collect(),
-        })
+        const FILE: &str = "truth/head.npz";
+        read_poses_npz(&read(&self.capture, FILE)?)
+            .map_err(|source| TruthError::Array { file: FILE.to_owned(), source })
     }
 
     fn npz(&self, file: &'static str) -> Result<Npz, TruthError> {
@@ -216,11 +201,6 @@ impl Npz {
     /// An array as masks: everything but 0 is true.
     fn mask(&self, key: &'static str, shape: &[usize]) -> Result<Vec<bool>, TruthError> {
         Ok(self.numbers(key, shape)?.into_iter().map(|x| x != 0.0).collect())
-    }
-
-    fn mismatch(&self, found: &str, expected: &str) -> TruthError {
-        let (found, expected) = (found.to_owned(), expected.to_owned());
-        TruthError::Mismatch { file: self.file.to_owned(), found, expected }
     }
 }
 
