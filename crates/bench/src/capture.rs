@@ -33,6 +33,9 @@ pub enum BenchError {
         /// The folder.
         folder: PathBuf,
     },
+    /// The system gives no thread.
+    #[error("cannot start a thread")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
     /// A file of the capture cannot be used.
     #[error("capture {capture}: {stage} failed")]
     Stage {

@@ -1,6 +1,7 @@
 //! What a field costs in a file: each way to pack it, beside `.npz` and `.vdb` of the same numbers.
 
-use crate::{Cell, Stopwatch, Table};
+use crate::clock::least_secs;
+use crate::{Cell, Table};
 use std::io::Cursor;
 use tousle_core::NoProgress;
 use tousle_eff::{Eff, EffError, Encoding, ReadOptions, Reader, WriteOptions, read, validate, write};
@@ -26,9 +27,6 @@ pub enum FileBenchError {
     #[error("as .vdb")]
     Vdb(#[from] VdbError),
 }
-
-/// How often each figure is measured; the least is kept.
-const TRIES: usize = 3;
 
 /// A table with nothing in it: one row a field and a way to write it.
 ///
@@ -81,18 +79,18 @@ fn packed(name: &str, how: &str, eff: &Eff, encoding: Encoding) -> Result<Vec<Ce
     let options = WriteOptions::with_encoding(encoding);
     let mut bytes = Vec::new();
     let mut max_error = 0.0;
-    let written = least(|| {
+    let written = least_secs(|| {
         bytes.clear();
         max_error = write(&eff, &mut bytes, &options, &NoProgress)?.max_error;
         Ok::<_, EffError>(())
     })?;
-    let read_in = least(|| read(&bytes[..], &ReadOptions::default()).map(drop))?;
-    let validated = least(|| validate(&bytes[..]).map(drop))?;
+    let read_in = least_secs(|| read(&bytes[..], &ReadOptions::default()).map(drop))?;
+    let validated = least_secs(|| validate(&bytes[..]).map(drop))?;
     let mut reader = Reader::open(Cursor::new(&bytes))?;
     let n_steps = reader.n_steps();
     // Steps far from one another, so that none is at hand from the one before.
     let n_picked = 20;
-    let step = least(|| (0..n_picked).try_for_each(|k| reader.step(k * 7919 % n_steps).map(drop)))?
+    let step = least_secs(|| (0..n_picked).try_for_each(|k| reader.step(k * 7919 % n_steps).map(drop)))?
         / n_picked as f64;
     let mut row = row(name, how, &eff, bytes.len(), max_error, written, read_in);
     row.extend([
@@ -105,18 +103,18 @@ fn packed(name: &str, how: &str, eff: &Eff, encoding: Encoding) -> Result<Vec<Ce
 
 fn npz(name: &str, eff: &Eff) -> Result<Vec<Cell>, FileBenchError> {
     let mut out = Cursor::new(Vec::new());
-    let written = least(|| {
+    let written = least_secs(|| {
         out = Cursor::new(Vec::new());
         write_field_npz(&eff.field, &mut out)
     })?;
     let bytes = out.into_inner();
-    let read_in = least(|| read_field_npz(&bytes).map(drop))?;
+    let read_in = least_secs(|| read_field_npz(&bytes).map(drop))?;
     Ok(unvalidated(row(name, "npz (deflate)", eff, bytes.len(), 0.0, written, read_in), None))
 }
 
 fn vdb(name: &str, eff: &Eff) -> Result<Vec<Cell>, FileBenchError> {
     let mut files = Vec::new();
-    let written = least(|| {
+    let written = least_secs(|| {
         files.clear();
         for step in 0..eff.field.steps.len() {
             let mut bytes = Vec::new();
@@ -126,14 +124,14 @@ fn vdb(name: &str, eff: &Eff) -> Result<Vec<Cell>, FileBenchError> {
         Ok::<_, ExportError>(())
     })?;
     let options = VdbOptions::default();
-    let read_in = least(|| {
+    let read_in = least_secs(|| {
         let steps: Result<Vec<_>, _> = files.iter().map(|bytes| read_step_vdb(bytes, &options)).collect();
         join_steps_vdb(&steps?, &options).map(drop)
     })?;
     // One is too quick for the clock of processors.
     let n_picked = files.len().min(20);
     let step =
-        least(|| files[..n_picked].iter().try_for_each(|file| read_step_vdb(file, &options).map(drop)))?
+        least_secs(|| files[..n_picked].iter().try_for_each(|file| read_step_vdb(file, &options).map(drop)))?
             / n_picked as f64;
     let n_bytes = files.iter().map(Vec::len).sum();
     Ok(unvalidated(
@@ -166,15 +164,4 @@ fn row(
         Cell::number(raw / 1e6 / write_secs, 0),
         Cell::number(raw / 1e6 / read_secs, 0),
     ]
-}
-
-/// The least time of a few tries, s.
-fn least<E>(mut work: impl FnMut() -> Result<(), E>) -> Result<f64, E> {
-    let mut shortest = f64::INFINITY;
-    for _ in 0..TRIES {
-        let watch = Stopwatch::start();
-        work()?;
-        shortest = shortest.min(watch.stop().secs());
-    }
-    Ok(shortest.max(1e-9))
 }

@@ -24,6 +24,8 @@ pub struct Curve {
     pub name: String,
     /// Its settings, in the order in which they are joined.
     pub points: Vec<CurvePoint>,
+    /// Whether the diagram names each setting beside its point; the table always does.
+    pub is_labeled: bool,
 }
 
 /// One setting of a [`Curve`].
@@ -63,18 +65,23 @@ impl WorkPrecision {
             title: self.title.clone(),
             x: axis(&self.cost),
             y: axis(&self.error),
-            series: self.curves.iter().map(Curve::to_series).collect(),
-            size_px: [720.0, 440.0],
+            series: self.curves.iter().filter(|c| !c.points.is_empty()).map(Curve::to_series).collect(),
+            size_px: [860.0, 520.0],
         }
     }
 }
 
 impl Curve {
+    /// A method without points.
+    pub fn named(name: String) -> Self {
+        Self { name, points: Vec::new(), is_labeled: false }
+    }
+
     fn to_series(&self) -> Series {
         Series {
             name: self.name.clone(),
             points: self.points.iter().map(|p| [p.cost, p.error]).collect(),
-            labels: self.points.iter().map(|p| p.setting.clone()).collect(),
+            labels: self.points.iter().filter(|_| self.is_labeled).map(|p| p.setting.clone()).collect(),
             style: SeriesStyle::LineAndPoints,
         }
     }
@@ -95,8 +102,9 @@ mod tests {
                 Curve {
                     name: "paper".into(),
                     points: vec![point("1/60", 0.04, 25.6), point("1/240", 0.1, 23.5)],
+                    is_labeled: true,
                 },
-                Curve { name: "broken".into(), points: vec![point("1/60", 0.1, f64::NAN)] },
+                Curve { points: vec![point("1/60", 0.1, f64::NAN)], ..Curve::named("broken".into()) },
             ],
         }
     }
@@ -106,6 +114,7 @@ mod tests {
         let svg = diagram().to_plot().standalone_svg();
         assert_eq!(svg.matches("<circle").count(), 2, "{svg}");
         assert!(svg.contains("style B &amp; the wind") && !svg.contains("NaN"));
+        assert!(svg.contains("1/240"), "{svg}");
         let table = diagram().to_table();
         assert_eq!(table.rows.len(), 3);
         assert_eq!(table.rows[2][3], Cell::Missing);

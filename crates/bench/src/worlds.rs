@@ -1,7 +1,10 @@
 //! Small made-up worlds: scenes, winds and hair for measurements and for tests whose answer is known.
 
-use tousle_core::{Attachment, Body, Collider, Groom, Pose, PoseTrack, Quantity, Shape, Strand, Vec3};
+use tousle_core::{
+    Attachment, Body, Collider, Groom, Pose, PoseTrack, Quantity, Shape, Strand, StrandMotion, Vec3,
+};
 use tousle_field::{Field, FieldSequence, GridSpec, Scene, VoxelFlag};
+use tousle_rod::Surface;
 
 /// Gravity in a world whose z is up, m/s².
 pub const DOWN: Vec3 = Vec3::new(0.0, 0.0, -9.81);
@@ -107,6 +110,15 @@ pub fn over_the_head() -> Strand {
     strand(points)
 }
 
+/// A lock over the head, one that leans out beside it, and one of a single stick.
+pub fn lock_fan() -> Vec<Strand> {
+    vec![
+        over_the_head(),
+        straight(Vec3::new(0.05, 0.08, 0.03), Vec3::new(0.3, 0.3, -1.0), 0.25, 12),
+        straight(Vec3::new(-0.098, 0.0, 0.0), Vec3::new(-1.0, 0.0, -0.2), 0.12, 1),
+    ]
+}
+
 /// A hairstyle of these strands.
 pub fn groom(strands: Vec<Strand>) -> Groom {
     Groom { strands, assumed: Vec::new() }
@@ -179,4 +191,20 @@ pub fn wig(n_strands: usize, n_points: usize) -> Groom {
         Strand { name: format!("strand {k}"), ..strand(points) }
     };
     groom((0..n_strands).map(lock).collect())
+}
+
+/// The least distance of any point but the roots from the body's surfaces as they are in each frame, m; below 0 within.
+pub fn nearest_m(scene: &Scene, motion: &StrandMotion) -> f64 {
+    let mut nearest_m = f64::INFINITY;
+    for (frame, secs) in motion.times_secs.iter().enumerate() {
+        let pose = scene.poses.motion_at(*secs).world_from_head;
+        let surfaces = Surface::of_body(&scene.body, &scene.body.head_from_torso(&pose, &scene.rest_pose));
+        for strand in 0..motion.counts.len() {
+            for point in &motion.strand(frame, strand)[1..] {
+                let distances = surfaces.iter().map(|s| s.gap(Vec3::from(point.map(f64::from))).distance_m);
+                nearest_m = distances.fold(nearest_m, f64::min);
+            }
+        }
+    }
+    nearest_m
 }

@@ -463,8 +463,27 @@ pub struct DemoArgs {
 pub enum BenchCommand {
     /// The method `paper` on captures with their truth: each reading of E3, scored on another hairstyle.
     Paper(BenchArgs),
+    /// The simulator: error against run time of every integrator and step, stiff and extreme cases, cost of each term.
+    Sim(BenchSimArgs),
     /// Fields in files: size and speed of each way to pack them, beside .npz and .vdb.
     File(BenchFileArgs),
+}
+
+/// `tousle bench sim`
+#[derive(Debug, Args)]
+pub struct BenchSimArgs {
+    /// A folder of captures, each with its other hairstyle and its truth [default: what needs none].
+    #[arg(long, value_name = "DIR")]
+    pub captures: Option<PathBuf>,
+    /// What hair on the torso rubs on while the head moves, as for `simulate`; for the part `truth`.
+    #[arg(long, value_parser = parse_torso_grip, default_value = "torso", value_name = "torso|head")]
+    pub torso_grip: tousle_sim::TorsoGrip,
+    /// Only this part; may be given several times [default: all].
+    #[arg(long = "part", value_parser = parse_part, value_name = "truth|converged|order|extremes|terms")]
+    pub parts: Vec<tousle_bench::sim::Part>,
+    /// The folder for tables, plots and the page (CSV, SVG, HTML) [default: print only].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
 }
 
 /// `tousle bench file`
@@ -519,6 +538,11 @@ fn parse_time(name: &str) -> Result<tousle_sim::TimeMode, String> {
 
 fn parse_sim_method(name: &str) -> Result<tousle_sim::Method, String> {
     tousle_sim::Method::from_name(name).ok_or_else(|| "expected physical or paper".to_owned())
+}
+
+fn parse_part(name: &str) -> Result<tousle_bench::sim::Part, String> {
+    let names: Vec<_> = tousle_bench::sim::Part::ALL.iter().map(|part| part.name()).collect();
+    tousle_bench::sim::Part::from_name(name).ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }
 
 fn parse_integrator(name: &str) -> Result<tousle_sim::Integrator, String> {

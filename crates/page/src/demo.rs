@@ -7,7 +7,7 @@ mod quantize;
 mod sections;
 mod wind;
 
-use crate::{Figure, Packed, Shell, json_for_script};
+use crate::{Figure, PLOT_STYLE, Packed, Shell, json_for_script};
 use body::BodyData;
 use hair::HairData;
 use markers::MarkerData;
@@ -153,11 +153,8 @@ struct PageData {
     wind: WindData,
 }
 
-const STYLES: [&str; 3] = [
-    include_str!("../assets/css/plot.css"),
-    include_str!("../assets/css/demo.css"),
-    include_str!("../assets/css/player.css"),
-];
+const STYLES: [&str; 3] =
+    [PLOT_STYLE, include_str!("../assets/css/demo.css"), include_str!("../assets/css/player.css")];
 
 /// The script, in the order in which one part uses another.
 const SCRIPTS: [&str; 14] = [

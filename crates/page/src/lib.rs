@@ -26,7 +26,7 @@ pub use demo::{Compared, DemoPage, FileEntry, HairView, PageError, StageLine, de
 pub use figure::{Figure, figure_cards};
 pub use html::{bytes_text, decimals, escape, json_for_script, short};
 pub use pack::Packed;
-pub use plot::{Axis, Plot, Scale, Series, SeriesStyle};
+pub use plot::{Axis, PLOT_STYLE, Plot, Scale, Series, SeriesStyle};
 pub use quality::{QualityPage, quality_page};
 pub use shell::Shell;
 pub use table::{Cell, Column, Table};

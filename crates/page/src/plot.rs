@@ -58,17 +58,20 @@ const MARGIN: [f64; 4] = [56.0, 14.0, 12.0, 40.0];
 /// Height of a line of the legend, px.
 const LEGEND_LINE: f64 = 18.0;
 
-/// How many colors the style sheet has; later series begin again with the first.
+/// How many colors the style sheet has; later series begin again with the first, dashed.
 const N_COLORS: usize = 8;
 
-const PLOT_STYLE: &str = include_str!("../assets/css/plot.css");
+/// Labels that would end farther right than this before the drawing area's end stand left of their points, px.
+const LABEL_ROOM: f64 = 110.0;
+
+/// The style sheet of a page that shows plots.
+pub const PLOT_STYLE: &str = include_str!("../assets/css/plot.css");
 
 /// The drawing area and the two scales.
 struct Frame {
     x: Placed,
     y: Placed,
     size: [f64; 2],
-    legend: f64,
 }
 
 impl Plot {
@@ -97,7 +100,7 @@ impl Plot {
         );
         svg.push_str(&self.ticks(&frame));
         for (k, series) in self.series.iter().enumerate() {
-            svg.push_str(&series.svg(k % N_COLORS, &frame));
+            svg.push_str(&series.svg(&class(k), &frame));
         }
         svg.push_str(&self.legend(&frame));
         svg.push_str("</svg>\n");
@@ -107,14 +110,12 @@ impl Plot {
     fn frame(&self) -> Frame {
         let [width, height] = self.size_px.map(|size| if size > 0.0 { size } else { 480.0 });
         let [left, right, top, bottom] = MARGIN;
-        let n_named = self.series.iter().filter(|s| !s.name.is_empty()).count();
-        let legend = if n_named > 0 { LEGEND_LINE } else { 0.0 };
+        let legend = self.legend_places(width).last().map_or(0.0, |[_, y]| y + 4.0);
         let along = |axis: usize| self.series.iter().flat_map(move |s| s.points.iter().map(move |p| p[axis]));
         Frame {
             x: self.x.place(along(0), left, width - right),
             y: self.y.place(along(1), height - bottom, top + legend),
             size: [width, height],
-            legend,
         }
     }
 
@@ -163,15 +164,31 @@ impl Plot {
         svg
     }
 
+    /// Where the legend's entries stand, px: as many on a line as fit.
+    fn legend_places(&self, width: f64) -> Vec<[f64; 2]> {
+        let [left, right, ..] = MARGIN;
+        let [mut x, mut y] = [left, LEGEND_LINE - 4.0];
+        let named = self.series.iter().filter(|s| !s.name.is_empty());
+        let place = |series: &Series| {
+            // Text cannot be measured here; 6.4 px is the width of a letter at 11.5 px, with some to spare.
+            let room = 38.0 + 6.4 * series.name.chars().count() as f64;
+            if x > left && x + room > width - right {
+                [x, y] = [left, y + LEGEND_LINE];
+            }
+            x += room;
+            [x - room, y]
+        };
+        named.map(place).collect()
+    }
+
     fn legend(&self, frame: &Frame) -> String {
         let mut svg = String::new();
-        let mut x = frame.x.ends().0;
-        let y = frame.legend - 4.0;
-        for (k, series) in self.series.iter().enumerate().filter(|(_, s)| !s.name.is_empty()) {
-            let color = k % N_COLORS;
+        let named = self.series.iter().enumerate().filter(|(_, s)| !s.name.is_empty());
+        for ((k, series), [x, y]) in named.zip(self.legend_places(frame.size[0])) {
+            let class = class(k);
             let _ = writeln!(
                 svg,
-                "<g class=\"s{color}\"><line class=\"line\" x1=\"{x:.1}\" x2=\"{:.1}\" y1=\"{:.1}\" y2=\"{:.1}\"/>\
+                "<g class=\"{class}\"><line class=\"line\" x1=\"{x:.1}\" x2=\"{:.1}\" y1=\"{:.1}\" y2=\"{:.1}\"/>\
                  <text class=\"tick\" x=\"{:.1}\" y=\"{y:.1}\">{}</text></g>",
                 x + 16.0,
                 y - 4.0,
@@ -179,16 +196,14 @@ impl Plot {
                 x + 21.0,
                 escape(&series.name)
             );
-            // Text cannot be measured here; 6.4 px is the width of a letter at 11.5 px, with some to spare.
-            x += 38.0 + 6.4 * series.name.chars().count() as f64;
         }
         svg
     }
 }
 
 impl Series {
-    fn svg(&self, color: usize, frame: &Frame) -> String {
-        let mut svg = format!("<g class=\"s{color}\">\n");
+    fn svg(&self, class: &str, frame: &Frame) -> String {
+        let mut svg = format!("<g class=\"{class}\">\n");
         let placed: Vec<Option<[f64; 2]>> =
             self.points.iter().map(|p| Some([frame.x.at(p[0])?, frame.y.at(p[1])?])).collect();
         let runs: Vec<&[Option<[f64; 2]>]> =
@@ -215,10 +230,10 @@ impl Series {
         }
         for (point, label) in placed.iter().zip(&self.labels) {
             let Some([x, y]) = point else { continue };
+            let (x, end) = if *x > frame.x.ends().1 - LABEL_ROOM { (x - 6.0, " end") } else { (x + 6.0, "") };
             let _ = writeln!(
                 svg,
-                "<text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-                x + 6.0,
+                "<text class=\"tick{end}\" x=\"{x:.1}\" y=\"{:.1}\">{}</text>",
                 y - 6.0,
                 escape(label)
             );
@@ -226,6 +241,12 @@ impl Series {
         svg.push_str("</g>\n");
         svg
     }
+}
+
+/// The style sheet's class of a series by its place in the plot.
+fn class(series: usize) -> String {
+    let again = if series < N_COLORS { "" } else { " again" };
+    format!("s{}{again}", series % N_COLORS)
 }
 
 fn path(run: &[Option<[f64; 2]>]) -> String {
@@ -264,6 +285,17 @@ mod tests {
         let svg = plot(vec![[0.0, 1.0], [0.5, f64::NAN], [1.0, 10.0], [2.0, 0.0]], Scale::Log10).svg();
         assert_eq!(svg.matches("class=\"line\" d=").count(), 2, "{svg}");
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+
+    /// Six names of some 190 px on lines of 400 px: two a line, and the drawing area begins below three lines.
+    #[test]
+    fn a_long_legend_takes_more_lines() {
+        let mut plot = plot(vec![[0.0, 0.0], [2.0, 1.0]], Scale::Linear);
+        plot.series[0].name = "twenty-three letters wide".into();
+        plot.series = vec![plot.series[0].clone(); 6];
+        let places = plot.legend_places(470.0);
+        assert_eq!(places.iter().map(|p| p[1]).collect::<Vec<_>>(), [14.0, 14.0, 32.0, 32.0, 50.0, 50.0]);
+        assert_eq!(plot.frame().y.ends(), (160.0, 66.0));
     }
 
     #[test]

@@ -40,7 +40,7 @@ pub struct QualityPage<'a> {
     pub clean: Option<&'a CleanReport>,
 }
 
-const STYLES: [&str; 2] = [include_str!("../assets/css/plot.css"), include_str!("../assets/css/quality.css")];
+const STYLES: [&str; 2] = [crate::PLOT_STYLE, include_str!("../assets/css/quality.css")];
 
 /// The quality page: one HTML file that needs no other file and no network.
 pub fn quality_page(page: &QualityPage<'_>) -> String {

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{
-    DOWN, assert_sound, farthest, mannequin, nearest, options, over_the_head, run, still_air, straight,
+    DOWN, assert_sound, farthest, mannequin, nearest_m, options, over_the_head, run, still_air, straight,
     uniform, vacuum,
 };
 use tousle_core::{Pose, PoseTrack, Quantity, Vec3};
@@ -67,7 +67,7 @@ fn the_body_keeps_hair_out() {
                 .unwrap();
         assert_sound(&simulation, "gusts");
         assert!(farthest(&simulation.motion) > 0.1);
-        let nearest = nearest(&scene, &simulation.motion);
+        let nearest = nearest_m(&scene, &simulation.motion);
         assert!(nearest > 1e-3, "{dt_secs}: {nearest}");
     }
 }

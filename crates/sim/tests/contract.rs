@@ -2,18 +2,20 @@
 
 mod common;
 
-use common::{farthest, mannequin, options, over_the_head, run, still_air, straight, track, uniform};
+use common::{
+    assert_sound, farthest, mannequin, options, over_the_head, run, still_air, straight, track, uniform,
+};
 use std::sync::Mutex;
-use tousle_core::{Pose, PoseTrack, Progress, Quantity, Vec3};
+use tousle_core::{Pose, PoseTrack, Progress, Quantity, Strand, Vec3};
 use tousle_field::{Ease, FieldLayer, Handle, LayerOrigin};
-use tousle_sim::{Integrator, Method, SimOptions, TimeMode, simulate};
+use tousle_sim::{Integrator, Method, SimError, SimOptions, TimeMode, simulate};
 
 fn gusts() -> tousle_field::FieldSequence {
     let gust = |k: i32| Vec3::new(-2.0, 3.0 * libm::sin(0.4 * f64::from(k)), 0.5);
     uniform(Quantity::AirVelocity, 30.0, &(0..31).map(gust).collect::<Vec<_>>())
 }
 
-fn many() -> Vec<tousle_core::Strand> {
+fn many() -> Vec<Strand> {
     (0..23)
         .map(|k| {
             let (sin, cos) = libm::sincos(0.27 * f64::from(k));
@@ -163,6 +165,33 @@ fn a_force_per_mass_is_a_wind_that_pushes_as_hard() {
     let (by_force, by_wind) = (tip(Quantity::ForcePerMass, push), tip(Quantity::AirVelocity, speed));
     assert!(by_wind.norm() > 1e-4);
     assert!((by_force - by_wind).norm() < 0.02 * by_wind.norm(), "{by_force} {by_wind}");
+}
+
+/// Semi-implicit Euler refuses what it does not stand, and names the limit; within it, it holds.
+#[test]
+fn an_unstable_step_is_refused_with_its_limit() {
+    let stiff = || {
+        vec![Strand {
+            bending_stiffness_n_m2: 1e-2,
+            ..straight(Vec3::new(0.2, 0.0, 0.0), -Vec3::z(), 0.1, 6)
+        }]
+    };
+    let error = run(&still_air(), &mannequin(), stiff(), &options(Integrator::SemiImplicit, 1.0 / 60.0, 0.5))
+        .unwrap_err();
+    let SimError::Unstable { limit_secs, dt_secs, point, .. } = error else { panic!("{error}") };
+    assert!(limit_secs < 1e-3 && dt_secs > limit_secs && point == Some(6), "{error}");
+    assert!(error.to_string().contains("semi-implicit"), "{error}");
+    let wind = uniform(Quantity::AirVelocity, 30.0, &[Vec3::new(30.0, 0.0, 0.0)]);
+    // What it chooses by itself is within the limit.
+    let by_itself = SimOptions {
+        method: Method::Paper,
+        integrator: Some(Integrator::SemiImplicit),
+        duration_secs: Some(0.5),
+        ..SimOptions::default()
+    };
+    let simulation = run(&wind, &mannequin(), stiff(), &by_itself).unwrap();
+    assert!(simulation.report.dt_secs < 1e-3);
+    assert_sound(&simulation, "within the limit");
 }
 
 struct Watch(Mutex<Vec<(u64, u64)>>);

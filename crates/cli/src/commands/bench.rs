@@ -1,17 +1,41 @@
-use super::{read_eff, write_whole};
-use crate::args::{BenchArgs, BenchCommand, BenchFileArgs};
+use super::{demo, read_eff, write_whole};
+use crate::args::{BenchArgs, BenchCommand, BenchFileArgs, BenchSimArgs};
 use crate::ui::Outcome;
 use anyhow::Context;
 use std::io::Write;
+use std::path::Path;
 use tousle_bench::paper::{self, PaperBenchOptions};
+use tousle_bench::sim::{self, Part, Sample, SimBenchOptions};
 use tousle_pipeline::Watch;
 
 /// `tousle bench …`
 pub fn run(command: &BenchCommand, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     match command {
         BenchCommand::Paper(args) => paper(args, watch),
+        BenchCommand::Sim(args) => sim(args, watch),
         BenchCommand::File(args) => file(args, watch),
     }
+}
+
+fn sim(args: &BenchSimArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
+    let parts = if args.parts.is_empty() { Part::ALL.to_vec() } else { args.parts.clone() };
+    let (converted, groom) = (demo::converted(watch)?, demo::groom()?);
+    let eff = &converted.eff;
+    let sample =
+        Sample { name: "the demo's hair in its wind", field: &eff.field, scene: &eff.scene, groom: &groom };
+    let stage = watch.stage("bench");
+    let options = SimBenchOptions { parts, captures: args.captures.clone(), torso_grip: args.torso_grip };
+    let report = sim::run(sample, &options, &*stage)?;
+    drop(stage);
+    print!("{}", report.to_text());
+    let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
+    make_folder(folder)?;
+    for (name, text) in report.files() {
+        write_text(folder, &name, &text)?;
+    }
+    write_text(folder, "sim.html", &report.to_html(&tousle_bench::when_and_where()))?;
+    println!("wrote {}", folder.join("sim.html").display());
+    Ok(Outcome::Fine)
 }
 
 fn file(args: &BenchFileArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
@@ -26,9 +50,8 @@ fn file(args: &BenchFileArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     drop(stage);
     print!("{}", table.to_text());
     let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    write_whole(&folder.join("file.csv"), |out| out.write_all(table.to_csv().as_bytes()))?;
+    make_folder(folder)?;
+    write_text(folder, "file.csv", &table.to_csv())?;
     println!("wrote {}", folder.join("file.csv").display());
     Ok(Outcome::Fine)
 }
@@ -39,15 +62,21 @@ fn paper(args: &BenchArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     drop(stage);
     print!("{}", report.to_text());
     let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    let write =
-        |name: &str, text: String| write_whole(&folder.join(name), |out| out.write_all(text.as_bytes()));
+    make_folder(folder)?;
     for (name, table) in ["motion", "field", "cost", "summary"].iter().zip(report.tables()) {
-        write(&format!("paper-{name}.csv"), table.to_csv())?;
+        write_text(folder, &format!("paper-{name}.csv"), &table.to_csv())?;
     }
-    write("paper.json", report.to_json())?;
-    write("paper.html", report.to_html())?;
+    write_text(folder, "paper.json", &report.to_json())?;
+    write_text(folder, "paper.html", &report.to_html())?;
     println!("wrote {}", folder.join("paper.html").display());
     Ok(Outcome::Fine)
+}
+
+fn make_folder(folder: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))
+}
+
+fn write_text(folder: &Path, name: &str, text: &str) -> anyhow::Result<()> {
+    write_whole(&folder.join(name), |out| out.write_all(text.as_bytes()))?;
+    Ok(())
 }

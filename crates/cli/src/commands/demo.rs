@@ -28,7 +28,7 @@ pub fn run(args: &DemoArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     folder.write("lift.toml", EDITS)?;
 
     let converted = convert(&folder, &mut log, watch)?;
-    let groom = tousle_groom::read_groom(GROOM, &GroomOptions::default())?.groom;
+    let groom = groom()?;
     let simulated = simulate(&converted.eff, &groom, &folder, &mut log, watch)?;
     let (edited, effects) = edit(&converted.eff, &groom, &simulated.motion, &folder, &mut log, watch)?;
     export(&converted.eff, &folder, &mut log)?;
@@ -37,6 +37,18 @@ pub fn run(args: &DemoArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     print!("{}", log.text());
     println!("\nopen {}", folder.path.join("index.html").display());
     Ok(Outcome::Fine)
+}
+
+/// The embedded capture, converted.
+pub(super) fn converted(watch: &dyn Watch) -> anyhow::Result<Converted> {
+    let capture = Input { name: "gusts.c3d", bytes: CAPTURE };
+    let session = Input { name: "session.json", bytes: SESSION };
+    Ok(tousle_pipeline::convert(capture, session, &ConvertOptions::default(), watch)?)
+}
+
+/// The embedded hairstyle.
+pub(super) fn groom() -> anyhow::Result<Groom> {
+    Ok(tousle_groom::read_groom(GROOM, &GroomOptions::default())?.groom)
 }
 
 /// The folder that everything goes into.
@@ -89,9 +101,7 @@ impl Log {
 fn convert(folder: &Folder<'_>, log: &mut Log, watch: &dyn Watch) -> anyhow::Result<Converted> {
     let command = "tousle convert gusts.c3d --session session.json -o gusts.eff.mcap";
     let converted = log.stage("convert", command, || {
-        let capture = Input { name: "gusts.c3d", bytes: CAPTURE };
-        let session = Input { name: "session.json", bytes: SESSION };
-        let converted = tousle_pipeline::convert(capture, session, &ConvertOptions::default(), watch)?;
+        let converted = converted(watch)?;
         let report = &converted.report;
         let text = format!(
             "{} frames of {} trajectories became {} time steps of wind from {} samples",

@@ -100,7 +100,15 @@ impl Placed {
             Scale::Log10 => {
                 let (k0, k1) = (libm::log10(first).ceil() as i32, libm::log10(last).floor() as i32);
                 let every = ((k1 - k0) / 8 + 1) as usize;
-                (k0..=k1).step_by(every).map(|k| (libm::exp10(f64::from(k)), power_text(k))).collect()
+                let powers = (k0..=k1).step_by(every).map(|k| (libm::exp10(f64::from(k)), power_text(k)));
+                // Few decades have room for what lies between.
+                let between = if k1 - k0 <= 3 { &[2_u8, 5][..] } else { &[] };
+                let between = (k0..k1).flat_map(|k| between.iter().map(move |n| (k, *n)));
+                let between = between.map(|(k, n)| {
+                    let value = f64::from(n) * libm::exp10(f64::from(k));
+                    (value, power_text(k).replace('1', &n.to_string()))
+                });
+                powers.chain(between).collect()
             }
         }
     }
@@ -147,7 +155,8 @@ mod tests {
         let placed = axis.place([0.02, 5.0].into_iter(), 0.0, 300.0);
         assert!((placed.at(0.1).unwrap() - 100.0).abs() < 1e-9);
         assert_eq!(placed.at(0.0), None);
-        assert_eq!(placed.ticks().into_iter().map(|t| t.1).collect::<Vec<_>>(), ["0.01", "0.1", "1", "10"]);
+        let texts: Vec<String> = placed.ticks().into_iter().map(|t| t.1).collect();
+        assert_eq!(texts, ["0.01", "0.1", "1", "10", "0.02", "0.05", "0.2", "0.5", "2", "5"]);
         assert_eq!(power_text(-6), "10⁻⁶");
         assert_eq!(power_text(12), "10¹²");
     }

@@ -1,0 +1,173 @@
+use super::Part;
+use super::report::Section;
+use crate::capture::failed;
+use crate::clock::least;
+use crate::worlds::{gusts, mannequin, wig};
+use crate::{BenchError, Cell, Table};
+use nalgebra::UnitQuaternion;
+use tousle_core::{Body, Groom, NoProgress, Pose, PoseTrack, Progress, Vec3};
+use tousle_field::{Ease, FieldLayer, FieldSequence, Handle, LayerOrigin, Scene};
+use tousle_sim::{Method, SimError, SimOptions, simulate};
+
+/// Strands of 16 points, enough to fill registers and few enough to stay in the nearest memory.
+const N_STRANDS: usize = 240;
+const RATE_HZ: f64 = 120.0;
+
+/// A change of the plain scene.
+struct Variant {
+    name: &'static str,
+    change: fn(&mut World),
+}
+
+struct World {
+    field: FieldSequence,
+    scene: Scene,
+    groom: Groom,
+}
+
+/// The plain scene has wind, air and weight, and nothing else; each variant has one thing more, or less.
+const VARIANTS: [Variant; 12] = [
+    Variant { name: "plain: wind, air, weight", change: |_| {} },
+    Variant { name: "no weight", change: |w| w.scene.gravity_world = Vec3::zeros() },
+    Variant {
+        name: "a body out of reach",
+        change: |w| {
+            w.scene.body = mannequin().body;
+            w.scene.body.colliders.truncate(1);
+            w.groom.strands.iter_mut().flat_map(|s| &mut s.rest_curve_m).for_each(|p| p.x += 2.0);
+        },
+    },
+    Variant {
+        name: "the same hair without the body",
+        change: |w| w.groom.strands.iter_mut().flat_map(|s| &mut s.rest_curve_m).for_each(|p| p.x += 2.0),
+    },
+    Variant { name: "many poses that never change", change: |w| w.scene.poses = track(|_| Vec3::zeros()) },
+    Variant { name: "a muted edit", change: |w| w.field.layers.push(layer(true)) },
+    Variant {
+        name: "head that nods by 0.3 rad",
+        change: |w| w.scene.poses = track(|secs| Vec3::y() * (0.3 * libm::sin(6.0 * secs))),
+    },
+    Variant { name: "an edit", change: |w| w.field.layers.push(layer(false)) },
+    Variant {
+        name: "head, neck and shoulders, without friction",
+        change: |w| w.scene.body = Body { friction: 0.0, ..mannequin().body },
+    },
+    Variant { name: "head, neck and shoulders, with friction", change: |w| w.scene.body = mannequin().body },
+    Variant {
+        name: "all of these",
+        change: |w| {
+            w.scene.body = mannequin().body;
+            w.scene.poses = track(|secs| Vec3::y() * (0.3 * libm::sin(6.0 * secs)));
+            w.field.layers.push(layer(false));
+        },
+    },
+    Variant {
+        name: "no air",
+        change: |w| {
+            w.scene.air_density = 0.0;
+            w.scene.poses = track(|secs| Vec3::y() * (0.3 * libm::sin(6.0 * secs)));
+        },
+    },
+];
+
+/// What each term costs, alone.
+pub(super) fn section(progress: &dyn Progress) -> Result<Section, BenchError> {
+    let columns = [
+        "method",
+        "scene",
+        "ns a point and step",
+        "against plain, %",
+        "iterations a step",
+        "ns a point and iteration",
+        "terms that run",
+    ];
+    let mut table = Table::new("Cost of each term", &columns);
+    let plain_field = gusts();
+    let n = 2 * VARIANTS.len() as u64;
+    for method in [Method::Physical, Method::Paper] {
+        let mut plain = f64::NAN;
+        for variant in &VARIANTS {
+            progress.at(table.rows.len() as u64, n);
+            let mut world = plain_world(&plain_field);
+            (variant.change)(&mut world);
+            let (nanos, iterations, terms) =
+                cost(&world, method).map_err(failed("made-up hair", "simulating"))?;
+            if plain.is_nan() {
+                plain = nanos;
+            }
+            table.push(vec![
+                Cell::text(method.name()),
+                Cell::text(variant.name),
+                Cell::number(nanos, 1),
+                Cell::number(100.0 * (nanos / plain - 1.0), 0),
+                Cell::number(iterations, 2),
+                Cell::number(nanos / iterations, 1),
+                Cell::text(terms),
+            ]);
+        }
+    }
+    Ok(Section {
+        name: Part::Terms.name(),
+        title: "What each term costs".to_owned(),
+        words: format!(
+            "{N_STRANDS} strands of 16 points in gusts of 3 m/s, {RATE_HZ} steps a second, by default integrators; \
+             processor time of one core for a second less that for nothing but preparing. What moves otherwise takes \
+             other iterations, so both are shown."
+        ),
+        tables: vec![(String::new(), table)],
+        diagrams: Vec::new(),
+    })
+}
+
+fn plain_world(field: &FieldSequence) -> World {
+    let scene = Scene { body: Body::none(), ..mannequin() };
+    World { field: field.clone(), scene, groom: wig(N_STRANDS, 16) }
+}
+
+/// Nanoseconds a point and step, iterations a step, and the terms that run.
+fn cost(world: &World, method: Method) -> Result<(f64, f64, String), SimError> {
+    let run = |duration_secs| {
+        let options = SimOptions {
+            rate_hz: RATE_HZ,
+            dt_secs: Some(1.0 / RATE_HZ),
+            duration_secs: Some(duration_secs),
+            ..SimOptions::of(method)
+        };
+        least(|| simulate(&world.field, &world.scene, &world.groom, &options, &NoProgress))
+    };
+    let (_, prepared) = run(1.0 / RATE_HZ)?;
+    let (simulation, secs) = run(1.0 + 1.0 / RATE_HZ)?;
+    let nanos = 1e9 * (secs - prepared) / (world.groom.n_points() as f64 * RATE_HZ);
+    let plan = simulation.report.plan.iter().filter(|entry| entry.active);
+    let terms = plan.map(|entry| entry.term.as_str()).collect::<Vec<_>>().join(", ");
+    Ok((nanos, simulation.report.iterations_per_step, terms))
+}
+
+/// Poses of a head that turns about its middle by what is told of each time.
+fn track(turn_at: impl Fn(f64) -> Vec3) -> PoseTrack {
+    let rate_hz = 120.0;
+    let pose = |k: u32| {
+        let turn = UnitQuaternion::from_scaled_axis(turn_at(f64::from(k) / rate_hz));
+        Pose::from_parts(Vec3::zeros().into(), turn)
+    };
+    PoseTrack { start_secs: 0.0, rate_hz, poses: (0..240).map(pose).collect() }
+}
+
+/// An edit with one handle beside the head, there all the time.
+fn layer(muted: bool) -> FieldLayer {
+    FieldLayer {
+        id: "edit".to_owned(),
+        name: "edit".to_owned(),
+        muted,
+        first_secs: -1.0,
+        last_secs: 3.0,
+        ease: Ease { rise: 0.1, fall: 0.1 },
+        handles: vec![Handle { center_m: Vec3::new(0.0, 0.1, -0.1), reach_m: 0.1, extra: Vec3::y() * 2.0 }],
+        origin: LayerOrigin::Drag {
+            strand: String::new(),
+            control_point: 0,
+            target_m: Vec3::zeros(),
+            method: "paper".to_owned(),
+        },
+    }
+}

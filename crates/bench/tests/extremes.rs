@@ -1,0 +1,39 @@
+//! The list of stiff and extreme cases: what we recommend holds in each, and what does not hold is refused.
+
+use tousle_bench::Way;
+use tousle_bench::extremes::{Verdict, cases, judge, judge_refusals};
+use tousle_sim::Precision;
+
+/// What single precision is not good for, as the table of the cases in `docs/evidence` says: hair without stiffness, and
+/// rest at very short steps.
+const BEYOND_SINGLE: [&str; 3] = [
+    "no bending stiffness, in 6 m/s",
+    "bending stiffness 1e-9 N·m², in 6 m/s",
+    "at rest on the head for 10 s, in a breath of air",
+];
+
+/// Every case at every step, by every integrator that has no limit.
+#[test]
+fn nothing_explodes() {
+    let ways: Vec<Way> = Way::all().into_iter().filter(|way| !way.integrator.is_limited()).collect();
+    let mut flaws = Vec::new();
+    for case in cases() {
+        for way in &ways {
+            if way.precision == Precision::Single && BEYOND_SINGLE.contains(&case.name) {
+                continue;
+            }
+            let verdict = judge(&case, *way);
+            if !verdict.is_sound() {
+                flaws.push(format!("{}, {}: {verdict}", case.name, way.name()));
+            }
+        }
+    }
+    assert!(flaws.is_empty(), "{}", flaws.join("\n"));
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    for way in Way::all() {
+        assert_eq!(judge_refusals(way), Verdict::Holds { deep: None }, "{}", way.name());
+    }
+}
