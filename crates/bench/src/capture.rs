@@ -85,12 +85,12 @@ impl CaptureFolder {
     }
 
     /// The bytes of the capture, as CSV.
-    pub(crate) fn csv(&self) -> Result<Vec<u8>, BenchError> {
+    pub fn csv(&self) -> Result<Vec<u8>, BenchError> {
         self.bytes(&format!("{}.csv", self.name))
     }
 
     /// The bytes of the session.
-    pub(crate) fn session_bytes(&self) -> Result<Vec<u8>, BenchError> {
+    pub fn session_bytes(&self) -> Result<Vec<u8>, BenchError> {
         self.bytes("session.json")
     }
 

@@ -37,4 +37,5 @@ pub use truth::{Truth, TruthError};
 pub use way::Way;
 pub use wind::{
     FieldScore, FieldScoreError, ReferenceLock, TrueWind, VectorScore, resample_to_truth, score_field,
+    within_two_sd,
 };

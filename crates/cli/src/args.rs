@@ -228,6 +228,8 @@ pub struct ReadArgs {
 pub enum MethodArg {
     /// Kazama, Sugisaki and Morishima 2008, as documented in docs/equations.md.
     Paper,
+    /// The air that explains the motion of all locks together (docs/physical-fit.md).
+    Physical,
 }
 
 /// `--reading`

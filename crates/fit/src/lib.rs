@@ -6,13 +6,16 @@
 
 mod outside;
 mod paper;
+mod physical;
 mod resample;
 
 pub use outside::outside_direction;
 pub use paper::{PaperOptions, PaperReading, PaperSpan};
+pub use physical::{LockFound, PhysicalOptions, PhysicalReport};
 
 use serde::Serialize;
-use tousle_core::{HeadCapture, Sample, Session, Track, Vec3, WindSamples};
+use tousle_core::{HeadCapture, Progress, Sample, Session, Track, UpAxis, Vec3, WindSamples};
+use tousle_flow::AirFlow;
 
 /// Which method explains the motion, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +23,8 @@ use tousle_core::{HeadCapture, Sample, Session, Track, Vec3, WindSamples};
 pub enum FitMethod {
     /// Kazama, Sugisaki and Morishima 2008, eq. 3.
     Paper(PaperOptions),
+    /// The air that explains the motion of all locks together.
+    Physical(PhysicalOptions),
 }
 
 /// How samples are made.
@@ -29,11 +34,13 @@ pub struct FitOptions {
     pub method: FitMethod,
     /// Time steps a second of the samples, and so of the field.
     pub rate_hz: f64,
+    /// Which way is up in the world, where the session does not say.
+    pub up_axis: Option<UpAxis>,
 }
 
 impl Default for FitOptions {
     fn default() -> Self {
-        Self { method: FitMethod::Paper(PaperOptions::default()), rate_hz: 30.0 }
+        Self { method: FitMethod::Paper(PaperOptions::default()), rate_hz: 30.0, up_axis: None }
     }
 }
 
@@ -44,6 +51,8 @@ pub struct Fit {
     pub samples: WindSamples,
     /// The wind outside the grid at each time step, head axes, in the samples' quantity.
     pub outside: Vec<Vec3>,
+    /// The air round the head that the samples are of; `None` for `paper`, which knows none.
+    pub air: Option<AirFlow>,
     /// What happened.
     pub report: FitReport,
 }
@@ -65,6 +74,8 @@ pub struct FitReport {
     pub strands_skipped: Vec<String>,
     /// White noise of a marker coordinate in the still interval, head space, m.
     pub noise_m: Option<f64>,
+    /// What the method `physical` found out on the way.
+    pub physical: Option<PhysicalReport>,
 }
 
 /// Why no wind can be told.
@@ -96,6 +107,9 @@ pub enum FitError {
         /// The lock, from 0.
         strand_idx: usize,
     },
+    /// Weight must point somewhere.
+    #[error("neither the session nor the options say which axis of the world is up")]
+    NoUpAxis,
     /// No marker of any lock was ever seen where it was needed.
     #[error("no marker of any lock gives a sample ({n_missing} markers times steps are missing)")]
     NoSamples {
@@ -118,6 +132,7 @@ pub fn fit(
     origins: Option<&[Vec<Vec<Sample>>]>,
     session: &Session,
     options: &FitOptions,
+    progress: &dyn Progress,
 ) -> Result<Fit, FitError> {
     if !(options.rate_hz.is_finite() && options.rate_hz > 0.0) {
         return Err(FitError::NotPositive { what: "rate", found: options.rate_hz });
@@ -130,6 +145,11 @@ pub fn fit(
     }
     match &options.method {
         FitMethod::Paper(paper) => paper::fit_paper(head, origins, session, options.rate_hz, paper),
+        FitMethod::Physical(physical) => {
+            let up_axis = session.up_axis.or(options.up_axis).ok_or(FitError::NoUpAxis)?;
+            let set = physical::Set { rate_hz: options.rate_hz, up_axis, options: physical };
+            physical::fit_physical(head, origins, session, &set, progress)
+        }
     }
 }
 

@@ -118,8 +118,9 @@ pub(crate) fn fit_paper(
         n_filled: n_filled(origins, head.rate_hz, n_steps, rate_hz),
         strands_skipped: skipped(&samples, session),
         noise_m,
+        physical: None,
     };
-    Ok(Fit { outside: outside(&samples, session, head), samples, report })
+    Ok(Fit { outside: outside(&samples, session, head), samples, air: None, report })
 }
 
 fn markers<'a>(

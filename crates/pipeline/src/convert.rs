@@ -125,12 +125,14 @@ pub fn convert(
     let up_axis = known.up_axis.or(prepared.ingested.capture.up_axis).ok_or(ConvertError::NoUpAxis)?;
 
     let stage = watch.stage("fit");
-    let fit = tousle_fit::fit(prepared.head(), prepared.samples(), known, &options.fit)?;
+    let fit_options = FitOptions { up_axis: Some(up_axis), ..options.fit.clone() };
+    let fit = tousle_fit::fit(prepared.head(), prepared.samples(), known, &fit_options, &*stage)?;
     drop(stage);
 
     let stage = watch.stage("raster");
-    let raster_options = RasterOptions { method: RasterMethod::Paper, grid };
-    let raster = tousle_raster::rasterize(&fit.samples, &fit.outside, &raster_options, &*stage)?;
+    let raster_options = RasterOptions { method: raster_method(&options.fit), grid };
+    let raster =
+        tousle_raster::rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &raster_options, &*stage)?;
     drop(stage);
 
     let scene = Scene {
@@ -163,6 +165,15 @@ pub fn convert(
 fn method_name(options: &FitOptions) -> &'static str {
     match options.method {
         FitMethod::Paper(_) => "paper",
+        FitMethod::Physical(_) => "physical",
         _ => "unknown",
+    }
+}
+
+/// The way to fill the grid that goes with a way to fit.
+fn raster_method(options: &FitOptions) -> RasterMethod {
+    match options.method {
+        FitMethod::Physical(_) => RasterMethod::Physical,
+        _ => RasterMethod::Paper,
     }
 }

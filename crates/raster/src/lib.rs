@@ -4,12 +4,14 @@
 //! flag that says where it came from. Method `paper` follows section 3.3 of the 2008 paper.
 
 mod paper;
+mod physical;
 
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tousle_core::{Progress, Vec3, WindSamples};
 use tousle_field::{Field, FieldSequence, GridSpec, VoxelFlag};
+use tousle_flow::AirFlow;
 
 /// Which method fills the grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -18,6 +20,8 @@ pub enum RasterMethod {
     /// Kazama, Sugisaki and Morishima 2008, section 3.3.
     #[default]
     Paper,
+    /// The air that the method `physical` of `fit` found, at every voxel's center.
+    Physical,
 }
 
 /// How the grid is filled.
@@ -68,6 +72,9 @@ pub enum RasterError {
         /// Steps of samples.
         expected: usize,
     },
+    /// The method needs air that another one knows nothing of.
+    #[error("found samples without the air they are of, which the method physical lays on the grid")]
+    NoAir,
     /// The markers are all outside the grid.
     #[error("none of {n_samples} samples lies in the grid of {extent_mm} mm about the head")]
     NothingInGrid {
@@ -89,6 +96,7 @@ pub enum RasterError {
 pub fn rasterize(
     samples: &WindSamples,
     outside: &[Vec3],
+    air: Option<&AirFlow>,
     options: &RasterOptions,
     progress: &dyn Progress,
 ) -> Result<Raster, RasterError> {
@@ -107,14 +115,20 @@ pub fn rasterize(
         return Err(RasterError::NothingInGrid { n_samples, extent_mm });
     }
     let done = AtomicU64::new(0);
-    let fill = |(samples, outside): (&Vec<_>, &Vec3)| {
-        let field = match options.method {
-            RasterMethod::Paper => paper::fill_step(&grid, samples, *outside),
+    let laid = match (options.method, air) {
+        (RasterMethod::Paper, _) => None,
+        (RasterMethod::Physical, Some(air)) => Some(physical::Voxels::new(&grid, air)),
+        (RasterMethod::Physical, None) => return Err(RasterError::NoAir),
+    };
+    let fill = |(step, (samples, outside)): (usize, (&Vec<_>, &Vec3))| {
+        let field = match &laid {
+            None => paper::fill_step(&grid, samples, *outside),
+            Some(voxels) => voxels.fill_step(step, samples),
         };
         progress.at(done.fetch_add(1, Ordering::Relaxed) + 1, n_steps as u64);
         field
     };
-    let steps: Vec<Field> = samples.steps.par_iter().zip(outside).map(fill).collect();
+    let steps: Vec<Field> = samples.steps.par_iter().zip(outside).enumerate().map(fill).collect();
     let report = report(&steps, n_samples - n_inside);
     let (quantity, rate_hz) = (samples.quantity, samples.rate_hz);
     let sequence = FieldSequence { grid, quantity, start_secs: 0.0, rate_hz, steps, layers: Vec::new() };

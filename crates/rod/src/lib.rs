@@ -17,5 +17,6 @@ pub use contact::{Gap, Surface, SurfaceShape};
 pub use drag::{Drag, DragLaw};
 pub use hold::{Support, hold_rest};
 pub use lock::Lock;
+pub use nnls::nonnegative_least_squares;
 pub use rest::{Bearing, Likely, Rest, Touch, Twist, joint_torques, rest_state};
 pub use turn::{shortest_rotation, shortest_turn, turned};

@@ -3,7 +3,7 @@ use crate::args::{ConvertArgs, MethodArg, ReadingArg};
 use crate::ui::Outcome;
 use std::fmt::Write;
 use tousle_clean::CleanOptions;
-use tousle_fit::{FitMethod, FitOptions, PaperOptions, PaperReading, PaperSpan};
+use tousle_fit::{FitMethod, FitOptions, PaperOptions, PaperReading, PaperSpan, PhysicalOptions};
 use tousle_pipeline::{ConversionReport, ConvertOptions, Input, PrepareOptions, Watch, read_file};
 
 /// `tousle convert`
@@ -48,6 +48,7 @@ fn options(args: &ConvertArgs) -> ConvertOptions {
     let span = args.span_ms.map_or(PaperSpan::FreeFall, |ms| PaperSpan::Secs(ms * 1e-3));
     let method = match args.method {
         MethodArg::Paper => FitMethod::Paper(PaperOptions { reading, span }),
+        MethodArg::Physical => FitMethod::Physical(PhysicalOptions::default()),
     };
     let prepare = PrepareOptions {
         ingest: read_options(&args.read),
@@ -56,7 +57,7 @@ fn options(args: &ConvertArgs) -> ConvertOptions {
     };
     ConvertOptions {
         prepare,
-        fit: FitOptions { method, rate_hz: args.rate_hz },
+        fit: FitOptions { method, rate_hz: args.rate_hz, ..FitOptions::default() },
         extent_m: args.extent_mm * 1e-3,
         edge_m: args.voxel_mm * 1e-3,
     }

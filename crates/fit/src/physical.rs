@@ -1,0 +1,134 @@
+//! The method `physical`: the air that explains the motion of all locks together. `docs/physical-fit.md` has the maths.
+
+mod contact;
+mod evidence;
+mod lock;
+mod moments;
+mod noise;
+mod prior;
+mod report;
+mod smooth;
+mod smoother;
+mod solve;
+mod spline;
+mod tracks;
+
+use crate::resample::n_steps;
+use crate::{Fit, FitError, FitReport};
+use lock::{Seeing, SeenLock};
+use nalgebra::Matrix3;
+use rayon::prelude::*;
+pub use report::{LockFound, PhysicalReport};
+use tousle_core::{
+    HeadCapture, Progress, Quantity, STANDARD_GRAVITY, Sample, Session, UpAxis, WindSample, WindSamples,
+};
+use tousle_flow::{AirFlow, AirState};
+use tracks::Clock;
+
+/// How the method `physical` is set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PhysicalOptions {
+    /// Frequency above which a marker's motion is taken for noise, Hz.
+    pub cutoff_hz: f64,
+    /// The most swirl modes.
+    pub max_modes: usize,
+}
+
+impl Default for PhysicalOptions {
+    fn default() -> Self {
+        Self { cutoff_hz: 10.0, max_modes: 60 }
+    }
+}
+
+/// The options and what belongs to them.
+pub(crate) struct Set<'a> {
+    pub(crate) rate_hz: f64,
+    pub(crate) up_axis: UpAxis,
+    pub(crate) options: &'a PhysicalOptions,
+}
+
+/// Explains the motion of all locks by the air round the head.
+pub(crate) fn fit_physical(
+    head: &HeadCapture,
+    origins: Option<&[Vec<Vec<Sample>>]>,
+    session: &Session,
+    set: &Set<'_>,
+    progress: &dyn Progress,
+) -> Result<Fit, FitError> {
+    let &Set { rate_hz, up_axis, options } = set;
+    let n_steps = n_steps(head.n_frames(), head.rate_hz, rate_hz);
+    let clock = Clock::new(head, n_steps, rate_hz).ok_or(FitError::NoSamples { n_missing: 0 })?;
+    let still = session.still_range(head.first_frame, head.n_frames());
+    let gravity_world = -up_axis.vector() * STANDARD_GRAVITY;
+    let seeing =
+        Seeing { head, origins, session, clock: &clock, still, gravity_world, cutoff_hz: options.cutoff_hz };
+    let locks: Vec<SeenLock> =
+        (0..session.strands.len()).filter_map(|strand_idx| SeenLock::new(strand_idx, &seeing)).collect();
+    if locks.is_empty() {
+        return Err(FitError::NoSamples { n_missing: 0 });
+    }
+    let rest_pose = clock.poses[still.map_or(0, |(first, last)| (first + last) / 2)];
+    let problem = solve::Problem {
+        locks: &locks,
+        clock: &clock,
+        session,
+        head,
+        still,
+        rest_pose,
+        gravity_world,
+        max_modes: options.max_modes,
+    };
+    let solved = solve::solve(&problem, progress);
+    let samples = samples(&problem, &solved.air, origins);
+    let outside = solved.air.states.iter().map(AirState::outside).collect();
+    let n_samples = samples.steps.iter().map(Vec::len).sum();
+    let n_markers: usize = session.strands.iter().map(|s| s.markers.len()).sum();
+    let skipped = |idx: &usize| !locks.iter().any(|lock| lock.strand_idx == *idx);
+    let report = FitReport {
+        method: "physical: balance of moments of all locks in one flow".to_owned(),
+        n_steps,
+        n_samples,
+        n_missing: n_markers * n_steps - n_samples,
+        n_filled: 0,
+        strands_skipped: (0..session.strands.len())
+            .filter(skipped)
+            .map(|i| session.strands[i].name.clone())
+            .collect(),
+        noise_m: None,
+        physical: Some(report::report(&problem, &solved)),
+    };
+    Ok(Fit { samples, outside, air: Some(solved.air), report })
+}
+
+/// The air at every marker that a camera saw, with its covariance.
+fn samples(problem: &solve::Problem<'_>, air: &AirFlow, origins: Option<&[Vec<Vec<Sample>>]>) -> WindSamples {
+    let clock = problem.clock;
+    let of_step = |step: usize| {
+        let frame = clock.frame(step);
+        let mut samples = Vec::new();
+        for seen in problem.locks {
+            let Some(strand) = problem.head.strands.iter().find(|s| s.strand_idx == seen.strand_idx) else {
+                continue;
+            };
+            for (marker_idx, track) in strand.markers.iter().enumerate() {
+                let is_seen = origins.is_none_or(|o| o[seen.strand_idx][marker_idx][frame].kind.is_seen());
+                let Some(position_m) = track.at(frame).filter(|_| is_seen) else { continue };
+                let wind = air.at(step, position_m);
+                samples.push(WindSample {
+                    strand_idx: seen.strand_idx as u32,
+                    marker_idx: marker_idx as u32,
+                    position_m,
+                    value: wind.velocity,
+                    covariance: packed(&air.covariance(step, &wind)),
+                });
+            }
+        }
+        samples
+    };
+    let steps = (0..clock.n_steps).into_par_iter().map(of_step).collect();
+    WindSamples { quantity: Quantity::AirVelocity, rate_hz: clock.rate_hz, steps }
+}
+
+fn packed(m: &Matrix3<f64>) -> [f64; 6] {
+    [m[(0, 0)], m[(1, 1)], m[(2, 2)], m[(0, 1)], m[(0, 2)], m[(1, 2)]]
+}

@@ -1,0 +1,90 @@
+//! What the body does to a lock: pushes outwards, never pulls, and rubs.
+
+use super::lock::{LockAt, SeenLock};
+use super::moments::across;
+use nalgebra::{DMatrix, DVector};
+use tousle_core::Vec3;
+use tousle_rod::{Surface, nonnegative_least_squares};
+
+/// Moments of unit forces at every point of a lock that may touch the body, three columns each: outwards, and two along
+/// the surface.
+pub(crate) fn touching(seen: &SeenLock, at: &LockAt, surfaces: &[Surface], within_m: f64) -> DMatrix<f64> {
+    let n = seen.lock.n_sticks();
+    let mut touches: Vec<(usize, Vec3)> = Vec::new();
+    for k in 0..n {
+        for surface in surfaces {
+            if let Some(gap) = surface.gap_within(at.points_m[k + 1], within_m) {
+                touches.push((k, gap.normal));
+            }
+        }
+    }
+    let across_sticks = across(&at.directions);
+    let mut columns = DMatrix::zeros(2 * n, 3 * touches.len());
+    for (touch, (k, normal)) in touches.iter().enumerate() {
+        let [first, second] = across(&[*normal])[0];
+        for j in 0..=*k {
+            let arm = at.points_m[k + 1] - at.points_m[j];
+            for (row, axis) in across_sticks[j].iter().enumerate() {
+                let lever = axis.cross(&arm);
+                for (c, force) in [*normal, first, second].iter().enumerate() {
+                    columns[(2 * j + row, 3 * touch + c)] = lever.dot(force);
+                }
+            }
+        }
+    }
+    columns
+}
+
+/// What is known of a lock's imbalance: rows of it, combined so that they are independent and of variance 1.
+pub(crate) struct Whitened {
+    pub(crate) moments: DVector<f64>,
+    pub(crate) by_wind: DMatrix<f64>,
+    pub(crate) by_scales: DMatrix<f64>,
+    /// Points at which the body pushes.
+    pub(crate) n_pushing: usize,
+}
+
+/// Takes out of a whitened imbalance what the body may do, `touching` being whitened in the same way.
+///
+/// The pushes ≥ 0 are those that leave the least imbalance, small ones preferred (`likely_push_n` is their scale, N).
+/// Where it pushes, its push and its friction, up to `friction` of it, are unknowns of that size: what they would explain is
+/// no evidence of wind.
+pub(crate) fn less_body(
+    white: Whitened,
+    touching: &DMatrix<f64>,
+    likely_push_n: f64,
+    friction: f64,
+) -> Whitened {
+    let n_touches = touching.ncols() / 3;
+    if n_touches == 0 {
+        return white;
+    }
+    let normals = DMatrix::from_fn(touching.nrows(), n_touches, |r, c| touching[(r, 3 * c)] * likely_push_n);
+    let gram = normals.tr_mul(&normals) + DMatrix::identity(n_touches, n_touches);
+    let pushes = nonnegative_least_squares(&gram, &-normals.tr_mul(&white.moments)) * likely_push_n;
+    let mut unknown: Vec<DVector<f64>> = Vec::new();
+    for (touch, push) in pushes.iter().enumerate().filter(|(_, push)| **push > 0.0) {
+        unknown.push(touching.column(3 * touch) * likely_push_n);
+        for along in 1..3 {
+            unknown.push(touching.column(3 * touch + along) * (friction * push));
+        }
+    }
+    if unknown.is_empty() {
+        return white;
+    }
+    // I + CCᵀ is the covariance with them; its factor whitens anew.
+    let columns = DMatrix::from_columns(&unknown);
+    let n_rows = white.moments.len();
+    let covariance = &columns * columns.transpose() + DMatrix::identity(n_rows, n_rows);
+    let n_pushing = unknown.len() / 3;
+    let anew = covariance.cholesky().and_then(|factor| {
+        let lower = factor.l();
+        Some(Whitened {
+            moments: lower.solve_lower_triangular(&white.moments)?,
+            by_wind: lower.solve_lower_triangular(&white.by_wind)?,
+            by_scales: lower.solve_lower_triangular(&white.by_scales)?,
+            n_pushing,
+        })
+    });
+    anew.unwrap_or(white)
+}

@@ -1,0 +1,198 @@
+//! The balance of moments at a lock's joints, and how it changes with the wind along the lock.
+
+use super::lock::{LockAt, SeenLock};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2};
+use tousle_core::Vec3;
+use tousle_rod::{DragLaw, Rest};
+
+/// What is not balanced at a lock's joints in a given wind: two numbers a joint, across its stick, N·m.
+pub(crate) struct Imbalance {
+    /// By joint, root first.
+    pub(crate) moments: DVector<f64>,
+    /// Its change with the wind at the lock's wind places, three columns each, N·m per m/s.
+    pub(crate) by_wind: DMatrix<f64>,
+    /// Its change with the logarithms of stiffness and drag, a column each, N·m.
+    pub(crate) by_scales: DMatrix<f64>,
+}
+
+/// The mechanics that a capture alone does not tell, as factors on what is taken for likely.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Scales {
+    pub(crate) stiffness: f64,
+    pub(crate) drag: f64,
+}
+
+/// How far the logarithms of the scales may be from 0: stiffness from that of as many hairs as weigh so much, and the drag
+/// of a lock whose width and weight were measured to a few per cent. Nothing beyond three times that is believed.
+const SPREAD: Vector2<f64> = Vector2::new(0.5, 0.07);
+
+/// The longest step of the logarithms.
+const LONGEST_STEP: Vector2<f64> = Vector2::new(0.5, 0.2);
+
+impl Default for Scales {
+    fn default() -> Self {
+        Self { stiffness: 1.0, drag: 1.0 }
+    }
+}
+
+/// What moments say of the logarithms of [`Scales`]: least squares to be added up.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ScalesSaid {
+    information: Matrix2<f64>,
+    pull: Vector2<f64>,
+}
+
+impl ScalesSaid {
+    pub(crate) fn new(by_scales: &DMatrix<f64>, moments: &DVector<f64>, weight: f64) -> Self {
+        let gram = by_scales.tr_mul(by_scales) * weight;
+        let pull = by_scales.tr_mul(moments) * weight;
+        Self { information: Matrix2::from_fn(|r, c| gram[(r, c)]), pull: Vector2::new(pull[0], pull[1]) }
+    }
+}
+
+impl Scales {
+    /// A Gauss-Newton step by what all steps say, no longer than [`LONGEST_STEP`].
+    pub(crate) fn update<'a>(&mut self, said: impl Iterator<Item = &'a ScalesSaid>) {
+        let sure = Matrix2::from_diagonal(&SPREAD.map(|spread| 1.0 / (spread * spread)));
+        let logs = Vector2::new(libm::log(self.stiffness), libm::log(self.drag));
+        let (mut information, mut pull) = (sure, sure * logs);
+        for one in said {
+            information += one.information;
+            pull += one.pull;
+        }
+        let Some(inverse) = information.try_inverse() else { return };
+        let step = (inverse * pull).sup(&-LONGEST_STEP).inf(&LONGEST_STEP);
+        let logs = (logs - step).sup(&(SPREAD * -3.0)).inf(&(SPREAD * 3.0));
+        *self = Self { stiffness: libm::exp(logs[0]), drag: libm::exp(logs[1]) };
+    }
+}
+
+/// How drag follows the wind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum DragSlope {
+    /// By the law itself.
+    Tangent,
+    /// As if it were that of a wind at least so fast, m/s, and grew in proportion: for a first guess from nowhere.
+    Secant(f64),
+}
+
+/// Two unit vectors across each joint's stick.
+pub(crate) fn across(directions: &[Vec3]) -> Vec<[Vec3; 2]> {
+    let pair = |d: &Vec3| {
+        let axis = if d.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };
+        let first = d.cross(&axis).normalize();
+        [first, d.cross(&first)]
+    };
+    directions.iter().map(pair).collect()
+}
+
+/// A lock at a step, with its mechanics.
+pub(crate) struct Balance<'a> {
+    pub(crate) seen: &'a SeenLock,
+    pub(crate) step: usize,
+    /// Time from step to step, s.
+    pub(crate) step_secs: f64,
+    /// What its joints hold at rest; `None` where nobody saw it at rest.
+    pub(crate) rest: Option<&'a Rest>,
+    pub(crate) law: &'a DragLaw,
+    pub(crate) scales: Scales,
+}
+
+impl Balance<'_> {
+    /// The imbalance in the wind `winds`, head axes, m/s, one for each stick's middle.
+    ///
+    /// For each joint the moments about it of everything further out add up to nothing: weight less inertia, drag, and what
+    /// the joint itself holds. There is no tension in it, and no derivative along the lock but the joint's own bend.
+    pub(crate) fn imbalance(&self, winds: &[Vec3], slope: DragSlope) -> Imbalance {
+        let &Self { seen, step, step_secs, rest, law, scales } = self;
+        let (lock, at) = (&seen.lock, &seen.steps[step]);
+        let n = lock.n_sticks();
+        let across = across(&at.directions);
+        let mut moments = DVector::zeros(2 * n);
+        let mut by_wind = DMatrix::zeros(2 * n, 3 * seen.wind_places_m.len());
+        // By wind place, the change of the moment about the joint and of the pull on it.
+        let n_places = seen.wind_places_m.len();
+        let mut moment_by_wind = vec![Matrix3::zeros(); n_places];
+        let mut pull_by_wind = vec![Matrix3::zeros(); n_places];
+        let (mut moment, mut pull) = (Vec3::zeros(), Vec3::zeros());
+        let (mut drag_moment, mut drag_pull) = (Vec3::zeros(), Vec3::zeros());
+        let mut by_scales = DMatrix::zeros(2 * n, 2);
+        for j in (0..n).rev() {
+            let lever = at.directions[j] * lock.lengths_m[j];
+            pull += at.pulls[j] * lock.masses_kg[j];
+            moment += lever.cross(&pull);
+            let crossing = lever.cross_matrix();
+            for (m, p) in moment_by_wind.iter_mut().zip(&pull_by_wind) {
+                *m += crossing * p;
+            }
+            let (drag, change) = drag(seen, at, j, law, winds[j], slope);
+            let (drag, change) = (drag * scales.drag, change * scales.drag);
+            moment += (lever * 0.5).cross(&drag);
+            pull += drag;
+            drag_moment += lever.cross(&drag_pull) + (lever * 0.5).cross(&drag);
+            drag_pull += drag;
+            let middle_m = lock.arcs_m[j] - 0.5 * lock.lengths_m[j];
+            for (place, share) in seen.wind_share(middle_m) {
+                moment_by_wind[place] += crossing * change * (0.5 * share);
+                pull_by_wind[place] += change * share;
+            }
+            let bending = bending(seen, step, j, step_secs) * scales.stiffness;
+            let at_rest = rest.map_or_else(Vec3::zeros, |rest| at.turned[j] * rest.torques[j]);
+            let total = moment + at_rest + bending;
+            for (row, axis) in across[j].iter().enumerate() {
+                moments[2 * j + row] = axis.dot(&total);
+                by_scales[(2 * j + row, 0)] = axis.dot(&bending);
+                by_scales[(2 * j + row, 1)] = axis.dot(&drag_moment);
+                for (place, m) in moment_by_wind.iter().enumerate() {
+                    let change = m.tr_mul(axis);
+                    for c in 0..3 {
+                        by_wind[(2 * j + row, 3 * place + c)] = change[c];
+                    }
+                }
+            }
+        }
+        Imbalance { moments, by_wind, by_scales }
+    }
+}
+
+/// The air's force on a stick and its change with the wind.
+fn drag(
+    seen: &SeenLock,
+    at: &LockAt,
+    j: usize,
+    law: &DragLaw,
+    wind: Vec3,
+    slope: DragSlope,
+) -> (Vec3, Matrix3<f64>) {
+    let (width, length, tangent) = (seen.lock.width_m, seen.lock.hair_lengths_m[j], at.directions[j]);
+    let relative = wind - at.velocities[j];
+    match slope {
+        DragSlope::Tangent => {
+            let drag = law.at(width, tangent, relative);
+            // In still air a lock is pushed by nothing and by nothing's change: a breath lets the solver leave it.
+            let breath = law.across(width, 0.2);
+            let columns = [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| drag.change(tangent, axis) * length);
+            let mut change = Matrix3::from_columns(&columns);
+            if drag.across < breath {
+                change +=
+                    (Matrix3::identity() - tangent * tangent.transpose()) * ((breath - drag.across) * length);
+            }
+            (drag.force * length, change)
+        }
+        DragSlope::Secant(least) => {
+            let along = tangent * relative.dot(&tangent);
+            let across = law.across(width, f64::max((relative - along).norm(), least));
+            let change = (Matrix3::identity() - tangent * tangent.transpose()) * (across * length);
+            (change * relative, change)
+        }
+    }
+}
+
+/// What a joint does against being bent since rest, and against its rate.
+fn bending(seen: &SeenLock, step: usize, j: usize, step_secs: f64) -> Vec3 {
+    let (lock, at) = (&seen.lock, &seen.steps[step]);
+    let (before, after) = (step.saturating_sub(1), (step + 1).min(seen.steps.len() - 1));
+    let span_secs = step_secs * (after - before).max(1) as f64;
+    let rate = (seen.steps[after].bends[j] - seen.steps[before].bends[j]) / span_secs;
+    (at.bends[j] + rate * lock.damping_secs) * -lock.joint_stiffness[j]
+}

@@ -1,0 +1,78 @@
+use super::lock::SeenLock;
+use super::prior::is_still;
+use super::solve::{Problem, Solved};
+use serde::Serialize;
+use tousle_flow::AirState;
+
+/// What the method `physical` found out on the way and what it took for granted.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PhysicalReport {
+    /// What was taken for granted where the session or the capture said nothing.
+    pub warnings: Vec<String>,
+    /// Locks that were explained, in the session's order.
+    pub locks: Vec<LockFound>,
+    /// Modes of swirls that were solved for.
+    pub n_modes: usize,
+    /// Share of the stream that the wake takes on its axis, mean over the time in which wind may blow.
+    pub wake: f64,
+    /// Thickness of the slow layer at the scalp, m, mean over the same time.
+    pub layer_m: f64,
+    /// Speed of the wind far away, m/s, mean over the same time.
+    pub outside_mps: f64,
+    /// Mean square of what is left of the moments, over what was expected: 1 if the errors were as large as assumed.
+    pub left_over: f64,
+}
+
+/// What was found of one lock.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LockFound {
+    /// Its name.
+    pub name: String,
+    /// Its bending stiffness, N·m².
+    pub stiffness_n_m2: f64,
+    /// Its drag over that of its measured width.
+    pub drag_scale: f64,
+    /// Share of steps in which the body bears it.
+    pub touches: f64,
+}
+
+/// The report of a solved problem.
+pub(crate) fn report(problem: &Problem<'_>, solved: &Solved) -> PhysicalReport {
+    let states = &solved.air.states;
+    let blows: Vec<usize> = (0..states.len()).filter(|step| !is_still(problem, *step)).collect();
+    let mean = |of: &dyn Fn(&AirState) -> f64| {
+        blows.iter().map(|step| of(&states[*step])).sum::<f64>() / blows.len().max(1) as f64
+    };
+    let found = |(lock, seen): (usize, &SeenLock)| LockFound {
+        name: problem.session.strands[seen.strand_idx].name.clone(),
+        stiffness_n_m2: seen.stiffness_n_m2 * solved.scales[lock].stiffness,
+        drag_scale: solved.scales[lock].drag,
+        touches: solved.touches[lock],
+    };
+    PhysicalReport {
+        warnings: warnings(problem),
+        locks: problem.locks.iter().enumerate().map(found).collect(),
+        n_modes: solved.air.modes.n_modes(),
+        wake: mean(&AirState::wake),
+        layer_m: mean(&AirState::layer_m),
+        outside_mps: mean(&|state| state.outside().norm()),
+        left_over: solved.left_over,
+    }
+}
+
+fn warnings(problem: &Problem<'_>) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if problem.still.is_none() {
+        warnings.push(
+            "no still frames lie in the capture: the locks' shape without wind is unknown, bending is left out".into(),
+        );
+    }
+    if problem.session.fans.is_empty() {
+        warnings.push("the session names no fan: the wind outside is told from the locks alone".into());
+    } else if problem.session.wind_start_frame.is_none() && problem.still.is_none() {
+        warnings.push(
+            "the session does not say when the wind starts: the fans are taken to be on throughout".into(),
+        );
+    }
+    warnings
+}

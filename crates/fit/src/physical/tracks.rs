@@ -1,0 +1,98 @@
+//! Markers and head over time, smooth and with derivatives, at the time steps asked for.
+
+use super::smooth::{Motion, motion_at, penalty, smooth};
+use tousle_core::{HeadCapture, Pose, Sample, Track, Vec3};
+
+/// Time steps of a capture and where the head is at each.
+pub(crate) struct Clock {
+    pub(crate) n_steps: usize,
+    pub(crate) rate_hz: f64,
+    /// `world_from_head` in every frame; where nobody knows it, as in the nearest frame in which one does.
+    pub(crate) poses: Vec<Pose>,
+    pub(crate) frame_rate_hz: f64,
+}
+
+impl Clock {
+    /// `None` if no frame has a pose.
+    pub(crate) fn new(head: &HeadCapture, n_steps: usize, rate_hz: f64) -> Option<Self> {
+        let known: Vec<Option<Pose>> =
+            head.poses.iter().map(|p| p.as_ref().map(|p| p.world_from_head)).collect();
+        let mut last = known.iter().flatten().next().copied()?;
+        let poses = known
+            .iter()
+            .map(|pose| {
+                last = pose.unwrap_or(last);
+                last
+            })
+            .collect();
+        Some(Self { n_steps, rate_hz, poses, frame_rate_hz: head.rate_hz })
+    }
+
+    pub(crate) fn time_secs(&self, step: usize) -> f64 {
+        step as f64 / self.rate_hz
+    }
+
+    /// The frame nearest to a step.
+    pub(crate) fn frame(&self, step: usize) -> usize {
+        ((self.time_secs(step) * self.frame_rate_hz).round() as usize).min(self.poses.len() - 1)
+    }
+
+    pub(crate) fn pose(&self, step: usize) -> &Pose {
+        &self.poses[self.frame(step)]
+    }
+}
+
+/// A marker's motion at every step, world space, and the expected error of its place, m.
+pub(crate) struct MarkerMotion {
+    pub(crate) motions: Vec<Motion>,
+    pub(crate) errors_m: Vec<f64>,
+}
+
+/// What is taken for the error of a marker that nobody says anything of, m: that of a good camera system.
+pub(crate) const PLAIN_ERROR_M: f64 = 0.3e-3;
+
+/// The smooth motion of a marker of head space; `None` if it was hardly ever seen.
+pub(crate) fn marker_motion(
+    track: &Track,
+    samples: Option<&[Sample]>,
+    clock: &Clock,
+    cutoff_hz: f64,
+) -> Option<MarkerMotion> {
+    let error = |frame: usize| match samples {
+        Some(samples) => samples[frame].error_m.max(0.5 * PLAIN_ERROR_M),
+        None => PLAIN_ERROR_M,
+    };
+    let n = clock.poses.len();
+    let mut places = vec![Vec3::zeros(); n];
+    let mut weights = vec![0.0; n];
+    let mut frame_errors = vec![f64::INFINITY; n];
+    for frame in 0..n {
+        if let Some(p) = track.at(frame) {
+            places[frame] = (clock.poses[frame] * nalgebra::Point3::from(p)).coords;
+            let share = PLAIN_ERROR_M / error(frame);
+            weights[frame] = (share * share).min(1.0);
+            frame_errors[frame] = error(frame);
+        }
+    }
+    let curve = smooth(&places, &weights, penalty(cutoff_hz, clock.frame_rate_hz))?;
+    let motions =
+        (0..clock.n_steps).map(|k| motion_at(&curve, clock.frame_rate_hz, clock.time_secs(k))).collect();
+    let errors_m = (0..clock.n_steps).map(|k| frame_errors[clock.frame(k)]).collect();
+    Some(MarkerMotion { motions, errors_m })
+}
+
+/// The smooth motion of something fixed to the head, from its place or direction in every frame, world axes.
+pub(crate) fn fixed_motion(of_frame: impl Fn(&Pose) -> Vec3, clock: &Clock, cutoff_hz: f64) -> Vec<Motion> {
+    let places: Vec<Vec3> = clock.poses.iter().map(of_frame).collect();
+    let weights = vec![1.0; places.len()];
+    let curve = smooth(&places, &weights, penalty(cutoff_hz, clock.frame_rate_hz)).unwrap_or(places);
+    (0..clock.n_steps)
+        .map(|k| {
+            if curve.len() < 3 {
+                Motion { position: curve[clock.frame(k)], ..Motion::default() }
+            } else {
+                motion_at(&curve, clock.frame_rate_hz, clock.time_secs(k))
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,121 @@
+use crate::{Stream, SwirlModes};
+use nalgebra::{DMatrix, DVector};
+use tousle_core::Vec3;
+
+/// The air round a head over time: a stream and swirls, with how sure they are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AirFlow {
+    /// How the wind far away becomes that near the head.
+    pub stream: Stream,
+    /// The shapes of everything else.
+    pub modes: SwirlModes,
+    /// One state a time step.
+    pub states: Vec<AirState>,
+}
+
+/// The air at one time step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AirState {
+    /// The coefficients of the swirl modes, then the wind far away (head axes, m/s), the wake's strength, and the logarithm
+    /// of the layer's thickness in m.
+    pub values: DVector<f64>,
+    /// Their covariance.
+    pub covariance: DMatrix<f64>,
+    /// How strong swirls are, m/s: what a coefficient of 1 stands for.
+    pub swirl_mps: f64,
+}
+
+/// How many numbers of a state are no swirl.
+pub const N_STREAM: usize = 5;
+
+impl AirState {
+    /// Coefficients of swirls.
+    pub fn n_modes(&self) -> usize {
+        self.values.len() - N_STREAM
+    }
+
+    /// The wind far away, head axes, m/s.
+    pub fn outside(&self) -> Vec3 {
+        let n = self.n_modes();
+        Vec3::new(self.values[n], self.values[n + 1], self.values[n + 2])
+    }
+
+    /// The wake's strength.
+    pub fn wake(&self) -> f64 {
+        self.values[self.n_modes() + 3]
+    }
+
+    /// The thickness of the layer at the scalp, m.
+    pub fn layer_m(&self) -> f64 {
+        libm::exp(self.values[self.n_modes() + 4])
+    }
+
+    /// Brings wake and layer back to where they mean something: 0 to 1 of the stream, and 1 to 50 mm.
+    pub fn tame(&mut self) {
+        let n = self.n_modes();
+        self.values[n + 3] = self.values[n + 3].clamp(0.0, 1.0);
+        self.values[n + 4] = self.values[n + 4].clamp(libm::log(1e-3), libm::log(5e-2));
+    }
+
+    /// Lets a coefficient of 1 stand for another strength of swirls, m/s > 0; the swirls stay.
+    pub fn rescale(&mut self, swirl_mps: f64) {
+        let n = self.n_modes();
+        let share = self.swirl_mps / swirl_mps;
+        self.values.rows_mut(0, n).scale_mut(share);
+        self.swirl_mps = swirl_mps;
+    }
+}
+
+/// The wind at a point and how it changes with the state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WindAt {
+    /// The velocity of the air, head axes, m/s.
+    pub velocity: Vec3,
+    /// Its change with each number of the state: x of all, then y, then z.
+    pub change: Vec<f64>,
+    /// Standard deviation of the swirls that no mode carries, m/s a component.
+    pub left_out_mps: f64,
+}
+
+impl AirFlow {
+    /// The wind at a point of head space at a step.
+    pub fn at(&self, step: usize, point_m: Vec3) -> WindAt {
+        wind_at(&self.stream.at(point_m), &self.modes, &self.states[step], point_m)
+    }
+
+    /// The covariance of the wind at a point and step, (m/s)².
+    pub fn covariance(&self, step: usize, wind: &WindAt) -> nalgebra::Matrix3<f64> {
+        let n = self.states[step].values.len();
+        let rows = DMatrix::from_row_slice(3, n, &wind.change);
+        let spread = &rows * &self.states[step].covariance * rows.transpose();
+        let left_out = wind.left_out_mps * wind.left_out_mps;
+        nalgebra::Matrix3::from_fn(|r, c| spread[(r, c)] + if r == c { left_out } else { 0.0 })
+    }
+}
+
+/// The wind of a state at a point whose stream is known.
+pub fn wind_at(stream: &crate::StreamAt, modes: &SwirlModes, state: &AirState, point_m: Vec3) -> WindAt {
+    let n_modes = modes.n_modes();
+    let n = n_modes + N_STREAM;
+    let wind = stream.wind(state.outside(), state.wake(), state.layer_m());
+    let mut shapes = vec![0.0; 3 * n_modes];
+    modes.at(point_m, &mut shapes);
+    let mut change = vec![0.0; 3 * n];
+    let mut velocity = wind.velocity;
+    let mut carried = 0.0;
+    let scale = state.swirl_mps * wind.layer;
+    for axis in 0..3 {
+        let row = &mut change[axis * n..(axis + 1) * n];
+        for (j, shape) in shapes[axis * n_modes..(axis + 1) * n_modes].iter().enumerate() {
+            row[j] = scale * shape;
+            velocity[axis] += row[j] * state.values[j];
+            carried += shape * shape;
+        }
+        for c in 0..3 {
+            row[n_modes + c] = wind.by_outside[(axis, c)];
+        }
+        row[n_modes + 3] = wind.by_wake[axis];
+        row[n_modes + 4] = wind.by_log_layer[axis];
+    }
+    WindAt { velocity, change, left_out_mps: scale * f64::max(1.0 - carried / 3.0, 0.0).sqrt() }
+}

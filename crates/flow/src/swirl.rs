@@ -1,0 +1,275 @@
+use nalgebra::{DMatrix, Matrix3};
+use tousle_core::Vec3;
+
+/// How velocities at two points of a swirling, divergence-free flow go together: a Gaussian process.
+///
+/// K(r) = (r rᵀ/ℓ² + (2 − r²/ℓ²) I) exp(−r²/2ℓ²) / 2, of variance 1 a component: the curl of the curl of a bell
+/// (Narcowich and Ward, "Generalized Hermite interpolation via matrix-valued conditionally positive definite
+/// functions", 1994). Its flow has no divergence, whatever is measured of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SwirlKernel {
+    /// ℓ, m: half the way over which a swirl turns round.
+    pub length_m: f64,
+}
+
+impl SwirlKernel {
+    /// The covariance of the velocities at two points that are `apart_m` apart.
+    pub fn at(&self, apart_m: Vec3) -> Matrix3<f64> {
+        let r = apart_m / self.length_m;
+        let r2 = r.norm_squared();
+        let bell = 0.5 * libm::exp(-0.5 * r2);
+        Matrix3::from_fn(|i, j| bell * (r[i] * r[j] + if i == j { 2.0 - r2 } else { 0.0 }))
+    }
+}
+
+/// The shapes in which a swirling flow can differ near given points: few enough to solve for, independent of one
+/// another, each with a coefficient of variance 1.
+///
+/// From the points' components those are chosen, one after the other, that the ones before tell least of (a pivoted
+/// Cholesky factor of the covariance: Harbrecht, Peters and Schneider, "On the low-rank approximation by the pivoted
+/// Cholesky decomposition", 2012); a mode is what a component adds. They are kept on a lattice and read linearly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SwirlModes {
+    kernel: SwirlKernel,
+    pivots: Vec<(Vec3, usize)>,
+    /// Lower triangle of the pivots' covariance.
+    factor: DMatrix<f64>,
+    lattice: Lattice,
+    /// Node after node, component after component, mode after mode.
+    values: Vec<f64>,
+}
+
+/// One swirling flow.
+#[derive(Clone, Debug)]
+pub struct SwirlFlow<'a> {
+    lattice: &'a Lattice,
+    /// Node after node, three components each.
+    nodes: Vec<f64>,
+}
+
+impl SwirlFlow<'_> {
+    /// Its velocity at a point.
+    pub fn at(&self, point_m: Vec3) -> Vec3 {
+        if self.nodes.is_empty() {
+            return Vec3::zeros();
+        }
+        self.lattice
+            .around_point(point_m)
+            .map(|(node, weight)| Vec3::from_column_slice(&self.nodes[3 * node..3 * node + 3]) * weight)
+            .sum()
+    }
+}
+
+/// A box of points.
+#[derive(Clone, Debug, PartialEq)]
+struct Lattice {
+    origin_m: Vec3,
+    edge_m: f64,
+    dims: [usize; 3],
+}
+
+/// Share of the variance that may be left out at every point.
+const LEFT_OUT: f64 = 0.03;
+
+/// Edge of the lattice over the kernel's length: at half of it, reading between nodes is off by some 3 % of a swirl.
+const LATTICE_SHARE: f64 = 0.35;
+
+impl SwirlModes {
+    /// Modes for the neighborhood of some points, at most `max_modes`, readable within `reach_m` of the points' box.
+    pub fn near(points_m: &[Vec3], kernel: SwirlKernel, max_modes: usize, reach_m: f64) -> Self {
+        let (pivots, factor) = pivots(points_m, kernel, max_modes);
+        let edge_m = LATTICE_SHARE * kernel.length_m;
+        let lattice = Lattice::around(points_m, reach_m, edge_m);
+        let mut modes = Self { kernel, pivots, factor, lattice, values: Vec::new() };
+        let n_nodes: usize = modes.lattice.dims.iter().product();
+        let mut values = Vec::with_capacity(n_nodes * 3 * modes.n_modes());
+        for node in 0..n_nodes {
+            values.extend(modes.exact(modes.lattice.place(node)));
+        }
+        modes.values = values;
+        modes
+    }
+
+    /// How many there are.
+    pub fn n_modes(&self) -> usize {
+        self.pivots.len()
+    }
+
+    /// Every mode's velocity at a point, x of all modes first, then y, then z, written to `out`.
+    ///
+    /// # Panics
+    /// If `out` is not three times as long as there are modes.
+    pub fn at(&self, point_m: Vec3, out: &mut [f64]) {
+        let row = 3 * self.n_modes();
+        out.fill(0.0);
+        for (node, weight) in self.lattice.around_point(point_m) {
+            let values = &self.values[node * row..(node + 1) * row];
+            for (sum, value) in out.iter_mut().zip(values) {
+                *sum += weight * value;
+            }
+        }
+    }
+
+    /// The flow of given coefficients, ready to be read at many points.
+    ///
+    /// # Panics
+    /// If there are fewer coefficients than modes.
+    pub fn flow(&self, coefficients: &[f64]) -> SwirlFlow<'_> {
+        let n = self.n_modes();
+        let sum = |row: &[f64]| row.iter().zip(coefficients).map(|(shape, c)| shape * c).sum();
+        let nodes = if n == 0 { Vec::new() } else { self.values.chunks_exact(n).map(sum).collect() };
+        SwirlFlow { lattice: &self.lattice, nodes }
+    }
+
+    /// What becomes of the modes' coefficients when the air travels by `travel_m`: row by row, the coefficients then
+    /// from those now. What comes in from elsewhere is unknown and not in it.
+    pub fn carried(&self, travel_m: Vec3) -> DMatrix<f64> {
+        let n = self.n_modes();
+        let mut row = vec![0.0; 3 * n];
+        let mut matrix = DMatrix::zeros(n, n);
+        for (i, (pivot, axis)) in self.pivots.iter().enumerate() {
+            self.at(pivot - travel_m, &mut row);
+            for j in 0..n {
+                matrix[(i, j)] = row[axis * n + j];
+            }
+        }
+        self.factor.solve_lower_triangular(&matrix).unwrap_or(matrix)
+    }
+
+    /// The modes at a point, not read from the lattice.
+    fn exact(&self, point_m: Vec3) -> Vec<f64> {
+        let n = self.n_modes();
+        let mut columns = DMatrix::zeros(n, 3);
+        for (i, (pivot, axis)) in self.pivots.iter().enumerate() {
+            let covariance = self.kernel.at(pivot - point_m);
+            for c in 0..3 {
+                columns[(i, c)] = covariance[(*axis, c)];
+            }
+        }
+        let solved = self.factor.solve_lower_triangular(&columns).unwrap_or(columns);
+        solved.as_slice().to_vec()
+    }
+}
+
+fn pivots(points_m: &[Vec3], kernel: SwirlKernel, max_modes: usize) -> (Vec<(Vec3, usize)>, DMatrix<f64>) {
+    let n = 3 * points_m.len();
+    let mut left = vec![1.0; n];
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    let mut chosen: Vec<usize> = Vec::new();
+    while chosen.len() < max_modes.min(n) {
+        let (best, most) =
+            left.iter().enumerate().fold((0, 0.0), |b, (i, v)| if *v > b.1 { (i, *v) } else { b });
+        if most < LEFT_OUT {
+            break;
+        }
+        let (point, axis) = (points_m[best / 3], best % 3);
+        let root = most.sqrt();
+        let mut column = vec![0.0; n];
+        for (k, other) in points_m.iter().enumerate() {
+            let covariance = kernel.at(other - point);
+            for c in 0..3 {
+                column[3 * k + c] = covariance[(c, axis)];
+            }
+        }
+        for before in &columns {
+            let share = before[best];
+            for (value, b) in column.iter_mut().zip(before) {
+                *value -= share * b;
+            }
+        }
+        for (value, rest) in column.iter_mut().zip(&mut left) {
+            *value /= root;
+            *rest = f64::max(*rest - *value * *value, 0.0);
+        }
+        left[best] = 0.0;
+        columns.push(column);
+        chosen.push(best);
+    }
+    let factor =
+        DMatrix::from_fn(chosen.len(), chosen.len(), |r, c| if c <= r { columns[c][chosen[r]] } else { 0.0 });
+    (chosen.iter().map(|i| (points_m[i / 3], i % 3)).collect(), factor)
+}
+
+impl Lattice {
+    fn around(points_m: &[Vec3], reach_m: f64, edge_m: f64) -> Self {
+        let first = points_m.first().copied().unwrap_or_default();
+        let low = points_m.iter().fold(first, |low, p| low.inf(p)) - Vec3::repeat(reach_m);
+        let high = points_m.iter().fold(first, |high, p| high.sup(p)) + Vec3::repeat(reach_m);
+        let dims = [0, 1, 2].map(|a| ((high[a] - low[a]) / edge_m).ceil() as usize + 1);
+        Self { origin_m: low, edge_m, dims }
+    }
+
+    fn place(&self, node: usize) -> Vec3 {
+        let [_, ny, nz] = self.dims;
+        let index = [node / (ny * nz), node / nz % ny, node % nz];
+        self.origin_m + Vec3::from(index.map(|i| i as f64)) * self.edge_m
+    }
+
+    /// The nodes around a point and their weights; none outside the box, where no mode reaches.
+    fn around_point(&self, point_m: Vec3) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let place = (point_m - self.origin_m) / self.edge_m;
+        let is_inside = (0..3).all(|a| place[a] >= 0.0 && place[a] <= (self.dims[a] - 1) as f64);
+        let low = [0, 1, 2].map(|a| (place[a].max(0.0) as usize).min(self.dims[a].saturating_sub(2)));
+        let share = [0, 1, 2].map(|a| place[a] - low[a] as f64);
+        let [_, ny, nz] = self.dims;
+        let n_corners = if is_inside { 8 } else { 0 };
+        (0..n_corners).map(move |corner: usize| {
+            let far = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let weight: f64 = (0..3).map(|a| if far[a] == 1 { share[a] } else { 1.0 - share[a] }).product();
+            (((low[0] + far[0]) * ny + low[1] + far[1]) * nz + low[2] + far[2], weight)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points() -> Vec<Vec3> {
+        (0..27).map(|k| Vec3::from([k % 3, k / 3 % 3, k / 9].map(f64::from)) * 0.08).collect()
+    }
+
+    /// The modes' squares add up to the variance that they are to carry.
+    #[test]
+    fn modes_carry_the_variance() {
+        let modes = SwirlModes::near(&points(), SwirlKernel { length_m: 0.1 }, 200, 0.05);
+        let n = modes.n_modes();
+        let mut row = vec![0.0; 3 * n];
+        for p in points() {
+            modes.at(p, &mut row);
+            for axis in 0..3 {
+                let variance: f64 = row[axis * n..(axis + 1) * n].iter().map(|v| v * v).sum();
+                assert!((variance - 1.0).abs() < 0.2, "{axis}: {variance} of {n} modes");
+            }
+        }
+    }
+
+    /// A mode read from the lattice has hardly any divergence.
+    #[test]
+    fn modes_have_no_divergence() {
+        let modes = SwirlModes::near(&points(), SwirlKernel { length_m: 0.1 }, 60, 0.05);
+        let n = modes.n_modes();
+        let (p, h) = (Vec3::new(0.07, 0.05, 0.11), 1e-4);
+        let (mut divergence, mut steepest) = (vec![0.0; n], 0.0f64);
+        for axis in 0..3 {
+            let mut step = Vec3::zeros();
+            step[axis] = h;
+            let (a, b) = (modes.exact(p + step), modes.exact(p - step));
+            for j in 0..n {
+                let slope = (a[axis * n + j] - b[axis * n + j]) / (2.0 * h);
+                divergence[j] += slope;
+                steepest = steepest.max(slope.abs());
+            }
+        }
+        assert!(divergence.iter().all(|d| d.abs() < 1e-4 * steepest), "{divergence:?}");
+    }
+
+    /// Air that does not travel stays; air that travels far is forgotten.
+    #[test]
+    fn travelling_air_is_forgotten() {
+        let modes = SwirlModes::near(&points(), SwirlKernel { length_m: 0.1 }, 40, 0.05);
+        let stays = modes.carried(Vec3::zeros());
+        assert!((stays - DMatrix::identity(40, 40)).amax() < 0.2);
+        assert!(modes.carried(Vec3::x() * 2.0).norm() < 1e-9);
+    }
+}
