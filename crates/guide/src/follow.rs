@@ -20,8 +20,8 @@ const MAX_POSITIONS: f64 = 1e9;
 /// since rest at the same share of its length (between the middles of two sticks, a mean of both). From the root on,
 /// sticks of the lengths that they have at rest give the points. So points and lengths of guide and follower may
 /// differ, no stick is stretched by more than positions of 32 bits make it, and where guides hang as at rest, so
-/// does what follows. Collisions are the guides': a follower may dip into the head by as much as it lies deeper
-/// than its guides.
+/// does what follows. Collisions are the guides': a follower may dip into the head where its guides pass
+/// by; [`keep_out`](crate::keep_out) pushes it out again.
 ///
 /// The result does not depend on the number of threads; frames do not depend on one another.
 ///

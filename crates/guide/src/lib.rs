@@ -35,6 +35,7 @@ mod choose;
 mod error;
 mod follow;
 mod guides;
+mod keep_out;
 mod turns;
 mod weights;
 
@@ -43,3 +44,4 @@ pub use choose::choose;
 pub use error::GuideError;
 pub use follow::follow;
 pub use guides::Guides;
+pub use keep_out::keep_out;

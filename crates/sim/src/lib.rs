@@ -26,8 +26,10 @@ pub use options::{Method, Precision, SimOptions, TimeMode, TorsoGrip};
 pub use parts::{Count, Keeper, Part};
 pub use report::{PlanEntry, SimReport, Simulation};
 
+use timeline::Timeline;
 use tousle_core::{Groom, Progress};
 use tousle_field::{FieldSequence, Scene};
+use tousle_rod::Surface;
 
 /// Simulates a groom in a wind field.
 ///
@@ -47,6 +49,22 @@ pub fn simulate(
     progress: &dyn Progress,
 ) -> Result<Simulation, SimError> {
     simulate_kept(field, scene, groom, options, None, progress)
+}
+
+/// The body's surfaces at some times of such a simulation, in the body's order, head space.
+///
+/// # Errors
+/// [`SimError`] if the scene or an option cannot be used.
+pub fn surfaces_at(
+    field: &FieldSequence,
+    scene: &Scene,
+    options: &SimOptions,
+    times_secs: &[f64],
+) -> Result<Vec<Vec<Surface>>, SimError> {
+    check::check_scene(scene, options)?;
+    let timeline = Timeline::new(field, scene, options, 0)?;
+    let at = |secs: &f64| Surface::of_body(&scene.body, &timeline.torso_at(*secs));
+    Ok(times_secs.iter().map(at).collect())
 }
 
 /// [`simulate`] for long runs: strands run part by part, and a keeper hears of each part that is done. A part

@@ -4,10 +4,11 @@ use super::resume::Resumable;
 use crate::args::SimulateArgs;
 use serde::Serialize;
 use std::fmt;
-use tousle_core::{Groom, StrandMotion};
+use tousle_core::{Groom, Pose, StrandMotion};
 use tousle_eff::Eff;
 use tousle_guide::{FollowError, Guides};
 use tousle_pipeline::Watch;
+use tousle_rod::Surface;
 use tousle_sim::{Keeper, SimOptions, SimReport, Simulation};
 
 /// The motion of all strands and how it came about.
@@ -31,6 +32,8 @@ pub struct GuideReport {
     pub n_guides: usize,
     /// Strands that followed them.
     pub n_following: usize,
+    /// Positions of theirs, in all frames, that were moved because they lay in the body or behind one that did.
+    pub n_kept_out: u64,
     /// How far those are from where the simulator takes them; `None` if it was not looked at.
     pub error: Option<FollowError>,
 }
@@ -56,7 +59,10 @@ pub fn simulate(
     };
     let guides = tousle_guide::choose(groom, n_guides)?;
     let Simulation { motion, mut report } = run("simulate", &guides.groom(groom))?;
-    let motion = tousle_guide::follow(groom, &guides, &motion, &*watch.stage("follow"))?;
+    let mut motion = tousle_guide::follow(groom, &guides, &motion, &*watch.stage("follow"))?;
+    let at_rest = Surface::of_body(&eff.scene.body, &Pose::identity());
+    let at_times = tousle_sim::surfaces_at(&eff.field, &eff.scene, options, &motion.times_secs)?;
+    let n_kept_out = tousle_guide::keep_out(groom, &guides, &mut motion, &at_rest, &at_times);
     report.max_stretch = tousle_sim::max_stretch(&motion);
     let sample = guides.sample(args.guides_check as usize);
     let mut error = None;
@@ -65,7 +71,8 @@ pub fn simulate(
         error = Some(tousle_guide::compare(&motion, &checked.motion, &sample)?);
     }
     let n_guides = guides.strands().len();
-    let report_of_guides = GuideReport { n_guides, n_following: groom.strands.len() - n_guides, error };
+    let report_of_guides =
+        GuideReport { n_guides, n_following: groom.strands.len() - n_guides, n_kept_out, error };
     Ok(Simulated { motion, report, guides: Some(report_of_guides) })
 }
 
