@@ -12,8 +12,8 @@ use divan::{Bencher, black_box};
 use rayon::prelude::*;
 use std::sync::LazyLock;
 use tousle_bench::worlds::{gusts, mannequin, wig};
-use tousle_core::{NoProgress, Vec3};
-use tousle_field::{FieldSequence, Sampler};
+use tousle_core::{Body, NoProgress, Vec3};
+use tousle_field::{FieldSequence, Sampler, Scene};
 use tousle_sim::{Method, Precision, SimOptions, TimeMode, simulate};
 
 fn main() {
@@ -57,7 +57,11 @@ impl Run {
     }
 
     fn simulate(self, bencher: Bencher<'_, '_>, steps: u32, options: SimOptions) {
-        let (scene, groom) = (mannequin(), wig(self.strands, N_POINTS));
+        self.simulate_in(bencher, &mannequin(), steps, options);
+    }
+
+    fn simulate_in(self, bencher: Bencher<'_, '_>, scene: &Scene, steps: u32, options: SimOptions) {
+        let groom = wig(self.strands, N_POINTS);
         let options = SimOptions {
             rate_hz: RATE_HZ,
             dt_secs: Some(1.0 / RATE_HZ),
@@ -66,7 +70,7 @@ impl Run {
             ..options
         };
         self.measure(bencher, steps, || {
-            black_box(simulate(&WIND, &scene, &groom, &options, &NoProgress).expect("a sound world"));
+            black_box(simulate(&WIND, scene, &groom, &options, &NoProgress).expect("a sound world"));
         });
     }
 }
@@ -80,6 +84,13 @@ fn physical(bencher: Bencher<'_, '_>, run: Run) {
 fn physical_single(bencher: Bencher<'_, '_>, run: Run) {
     let options = SimOptions { precision: Precision::Single, ..SimOptions::of(Method::Physical) };
     run.simulate(bencher, run.steps, options);
+}
+
+/// Without body: nothing to touch, beside a head that stands still and a field without edits.
+#[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
+fn physical_plain(bencher: Bencher<'_, '_>, run: Run) {
+    let scene = Scene { body: Body::none(), ..mannequin() };
+    run.simulate_in(bencher, &scene, run.steps, SimOptions::of(Method::Physical));
 }
 
 #[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
