@@ -3,9 +3,8 @@
 //!     cargo run --release -p tousle-bench --example wind -- CAPTURES [NAME…]
 
 use std::path::Path;
-use tousle_bench::{
-    CaptureFolder, Stopwatch, VectorScore, resample_to_truth, score_field, sim_in_field, within_two_sd,
-};
+use tousle_bench::measure::Calibration;
+use tousle_bench::{CaptureFolder, Stopwatch, VectorScore, resample_to_truth, score_field, sim_in_field};
 use tousle_fit::{FitMethod, FitOptions, PhysicalOptions};
 use tousle_pipeline::{ConvertOptions, Input, Silent, convert};
 use tousle_sim::{Method, SimOptions};
@@ -47,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             of(&field.hair),
             of(&field.nearby),
             of(&field.elsewhere),
-            within_two_sd(&converted.eff.field, &wind).unwrap_or([f64::NAN; 3]),
+            Calibration::of(&converted.eff.field, &wind).map_or([f64::NAN; 3], |c| c.within_two()),
             found.left_over,
             found.layer_m,
             found.wake,

@@ -14,6 +14,7 @@ mod baselines;
 mod capture;
 mod clock;
 mod machine;
+pub mod measure;
 mod motion;
 mod precision;
 mod stats;
@@ -37,5 +38,4 @@ pub use truth::{Truth, TruthError};
 pub use way::Way;
 pub use wind::{
     FieldScore, FieldScoreError, ReferenceLock, TrueWind, VectorScore, resample_to_truth, score_field,
-    within_two_sd,
 };

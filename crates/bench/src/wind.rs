@@ -151,27 +151,6 @@ pub fn resample_to_truth(field: &FieldSequence, truth: &TrueWind) -> FieldSequen
     }
 }
 
-/// Share of voxels, by region (hair, nearby, elsewhere), whose true wind lies within twice the field's own standard
-/// deviation of each component; `None` where the field states none. From 1.3 s on, on the truth's grid.
-pub fn within_two_sd(field: &FieldSequence, truth: &TrueWind) -> Option<[f64; 3]> {
-    let mut inside = [0.0; 3];
-    let mut all = [0.0; 3];
-    let ever = truth.hair_at_any_time();
-    for (k, &time) in truth.times_secs.iter().enumerate().filter(|(_, t)| **t >= SCORED_FROM_SECS) {
-        let nearest = (time * field.rate_hz).round_ties_even() as usize;
-        let step = &field.steps[nearest.min(field.steps.len() - 1)];
-        let sd = step.sd.as_ref()?;
-        for (voxel, region) in truth.regions(k, &ever).into_iter().enumerate() {
-            let Some(region) = region else { continue };
-            let off = step.vector(voxel) - truth.velocity_mps(k, voxel);
-            all[region as usize] += 3.0;
-            inside[region as usize] +=
-                off.iter().filter(|c| c.abs() <= 2.0 * f64::from(sd[voxel])).count() as f64;
-        }
-    }
-    Some([0, 1, 2].map(|r| inside[r] / f64::max(all[r], 1.0)))
-}
-
 impl TrueWind {
     /// Steps a second; 30 where there is one step only.
     pub fn rate_hz(&self) -> f64 {
@@ -203,6 +182,27 @@ impl TrueWind {
             steps: steps.collect(),
             layers: Vec::new(),
         }
+    }
+
+    /// How far each component of a field is from the truth, over the field's own standard deviation, by region (hair,
+    /// nearby, elsewhere), from 1.3 s on; `None` where the field states none or lies on another grid.
+    pub fn errors_over_sd(&self, field: &FieldSequence) -> Option<[Vec<f32>; 3]> {
+        if !same_grid(&field.grid, &self.grid) {
+            return None;
+        }
+        let mut ratios = [const { Vec::new() }; 3];
+        let ever = self.hair_at_any_time();
+        for (k, &time) in self.times_secs.iter().enumerate().filter(|(_, t)| **t >= SCORED_FROM_SECS) {
+            let nearest = (time * field.rate_hz).round_ties_even() as usize;
+            let step = &field.steps[nearest.min(field.steps.len() - 1)];
+            let sd = step.sd.as_ref()?;
+            for (voxel, region) in self.regions(k, &ever).into_iter().enumerate() {
+                let Some(region) = region else { continue };
+                let off = step.vector(voxel) - self.velocity_mps(k, voxel);
+                ratios[region as usize].extend(off.iter().map(|c| c.abs() as f32 / sd[voxel].max(1e-6)));
+            }
+        }
+        Some(ratios)
     }
 
     /// The true air velocity in a voxel, head axes, m/s.

@@ -467,6 +467,8 @@ pub enum BenchCommand {
     Paper(BenchArgs),
     /// The simulator: error against run time of every integrator and step, stiff and extreme cases, cost of each term.
     Sim(BenchSimArgs),
+    /// The wind that both methods measure on captures with their truth, with other voxels, rates, markers, noise, gaps.
+    Wind(BenchWindArgs),
     /// Fields in files: size and speed of each way to pack them, beside .npz and .vdb.
     File(BenchFileArgs),
 }
@@ -484,6 +486,23 @@ pub struct BenchSimArgs {
     #[arg(long = "part", value_parser = parse_part, value_name = "truth|converged|order|extremes|terms")]
     pub parts: Vec<tousle_bench::sim::Part>,
     /// The folder for tables, plots and the page (CSV, SVG, HTML) [default: print only].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// `tousle bench wind`
+#[derive(Debug, Args)]
+pub struct BenchWindArgs {
+    /// A folder of captures, each with its session, its other hairstyle and its truth.
+    #[arg(long, value_name = "DIR")]
+    pub captures: PathBuf,
+    /// Only this capture; may be given several times [default: all].
+    #[arg(long = "capture", value_name = "NAME")]
+    pub names: Vec<String>,
+    /// Only both methods as they are by default.
+    #[arg(long)]
+    pub quick: bool,
+    /// The folder for the table, the plot and the page (CSV, SVG, HTML) [default: print only].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }

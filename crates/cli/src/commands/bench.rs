@@ -1,9 +1,10 @@
 use super::{demo, read_eff, write_whole};
-use crate::args::{BenchArgs, BenchCommand, BenchFileArgs, BenchSimArgs};
+use crate::args::{BenchArgs, BenchCommand, BenchFileArgs, BenchSimArgs, BenchWindArgs};
 use crate::ui::Outcome;
 use anyhow::Context;
 use std::io::Write;
 use std::path::Path;
+use tousle_bench::measure::{self, Setting};
 use tousle_bench::paper::{self, PaperBenchOptions};
 use tousle_bench::sim::{self, Part, Sample, SimBenchOptions};
 use tousle_pipeline::Watch;
@@ -13,6 +14,7 @@ pub fn run(command: &BenchCommand, watch: &dyn Watch) -> anyhow::Result<Outcome>
     match command {
         BenchCommand::Paper(args) => paper(args, watch),
         BenchCommand::Sim(args) => sim(args, watch),
+        BenchCommand::Wind(args) => wind(args, watch),
         BenchCommand::File(args) => file(args, watch),
     }
 }
@@ -35,6 +37,25 @@ fn sim(args: &BenchSimArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     }
     write_text(folder, "sim.html", &report.to_html(&tousle_bench::when_and_where()))?;
     println!("wrote {}", folder.join("sim.html").display());
+    Ok(Outcome::Fine)
+}
+
+fn wind(args: &BenchWindArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
+    let mut settings = Setting::methods();
+    if !args.quick {
+        settings.extend(Setting::varied());
+    }
+    let stage = watch.stage("bench");
+    let report = measure::run(&args.captures, &args.names, &settings, &*stage)?;
+    drop(stage);
+    let table = report.table();
+    print!("{}", table.to_text());
+    let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
+    make_folder(folder)?;
+    write_text(folder, "wind.csv", &table.to_csv())?;
+    write_text(folder, "wind-calibration.svg", &report.calibration_plot().standalone_svg())?;
+    write_text(folder, "wind.html", &report.to_html(&tousle_bench::when_and_where()))?;
+    println!("wrote {}", folder.join("wind.html").display());
     Ok(Outcome::Fine)
 }
 

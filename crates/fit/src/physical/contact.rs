@@ -88,3 +88,39 @@ pub(crate) fn less_body(
     });
     anew.unwrap_or(white)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn white(moments: &[f64]) -> Whitened {
+        Whitened {
+            moments: DVector::from_row_slice(moments),
+            by_wind: DMatrix::identity(moments.len(), moments.len()),
+            by_scales: DMatrix::zeros(moments.len(), 2),
+            n_pushing: 0,
+        }
+    }
+
+    /// A push that balances what is left explains it; a pull that would is not there, and the same is evidence of wind.
+    #[test]
+    fn the_body_pushes_and_never_pulls() {
+        // 1 N outwards makes a moment of 100 in the first row; nothing along the surface does anything.
+        let touching = DMatrix::from_row_slice(2, 3, &[100.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let pushed = less_body(white(&[-5.0, 1.0]), &touching, 1.0, 0.25);
+        assert_eq!(pushed.n_pushing, 1);
+        assert!(pushed.moments[0].abs() < 0.1 && (pushed.moments[1] - 1.0).abs() < 1e-12);
+        assert!(pushed.by_wind[(0, 0)] < 0.02, "wind there is no longer told");
+        let pulled = less_body(white(&[5.0, 1.0]), &touching, 1.0, 0.25);
+        assert_eq!((pulled.n_pushing, pulled.moments[0]), (0, 5.0));
+    }
+
+    /// Friction explains as much as it may: what takes no more than its share of the push.
+    #[test]
+    fn friction_is_an_unknown_of_its_size() {
+        let touching = DMatrix::from_row_slice(2, 3, &[100.0, 0.0, 0.0, 0.0, 100.0, 0.0]);
+        let rubbed = less_body(white(&[-50.0, 3.0]), &touching, 1.0, 0.25);
+        // Half a newton pushes: friction's unknown moment has a standard deviation of 12.5 beside the error's 1.
+        assert!((rubbed.moments[1] - 3.0 / libm::hypot(1.0, 12.5)).abs() < 0.01, "{}", rubbed.moments[1]);
+    }
+}

@@ -1,7 +1,6 @@
 //! What one lock at one step says of the air.
 
 use super::contact;
-use super::lock::SeenLock;
 use super::moments::{Balance, DragSlope};
 use super::noise;
 use nalgebra::{DMatrix, DVector};
@@ -15,30 +14,36 @@ const ROBUST: f64 = 4.0;
 /// How far a curve drawn between markers may be from the hair, m: within that and a width of a surface it may touch.
 const CURVE_ERROR_M: f64 = 5e-3;
 
-/// Places along one lock at one step at which the wind is asked for.
-pub(crate) struct Places {
+/// What stays the same of one lock at one step whatever the air does.
+pub(crate) struct Station {
+    /// Places along the lock at which the wind is asked for.
     points_m: Vec<Vec3>,
     streams: Vec<StreamAt>,
+    /// Lower factor of the covariance of the lock's moments; `None` if there is none.
+    lower: Option<DMatrix<f64>>,
+    /// Moments of unit pushes of the body, whitened.
+    touching: DMatrix<f64>,
 }
 
-impl Places {
-    /// The places of a lock at a step; what dips into the body is moved out to where the lock's skin clears it, as in the
-    /// body no wind is.
-    pub(crate) fn new(seen: &SeenLock, step: usize, surfaces: &[Surface], stream: &Stream) -> Self {
+impl Station {
+    /// A lock at a step. Places that dip into the body are moved out to where the lock's skin clears it, as in the body
+    /// no wind is.
+    pub(crate) fn new(balance: &Balance<'_>, surfaces: &[Surface], stream: &Stream) -> Self {
+        let Balance { seen, step, step_secs, rest, .. } = *balance;
         let at = &seen.steps[step];
         let (arcs_m, last) = (&seen.lock.arcs_m, seen.lock.n_sticks() - 1);
         let place = |place_m: &f64| {
             let stick = arcs_m.iter().take_while(|arc| **arc < *place_m).count().min(last);
             let before_m = arcs_m[stick] - seen.lock.lengths_m[stick];
-            lifted(
-                at.points_m[stick] + at.directions[stick] * (place_m - before_m),
-                surfaces,
-                0.5 * seen.lock.width_m,
-            )
+            let drawn_m = at.points_m[stick] + at.directions[stick] * (place_m - before_m);
+            lifted(drawn_m, surfaces, 0.5 * seen.lock.width_m)
         };
         let points_m: Vec<Vec3> = seen.wind_places_m.iter().map(place).collect();
         let streams = points_m.iter().map(|p| stream.at(*p)).collect();
-        Self { points_m, streams }
+        let lower = noise::covariance(seen, at, rest, step_secs).cholesky().map(|factor| factor.l());
+        let touching = contact::touching(seen, at, surfaces, seen.lock.width_m + CURVE_ERROR_M);
+        let whitened = lower.as_ref().and_then(|lower| lower.solve_lower_triangular(&touching));
+        Self { points_m, streams, lower, touching: whitened.unwrap_or(touching) }
     }
 }
 
@@ -49,13 +54,6 @@ fn lifted(mut point_m: Vec3, surfaces: &[Surface], radius_m: f64) -> Vec3 {
         }
     }
     point_m
-}
-
-/// One lock at one step, and what it may touch.
-pub(crate) struct Witness<'a> {
-    pub(crate) balance: Balance<'a>,
-    pub(crate) surfaces: &'a [Surface],
-    pub(crate) friction: f64,
 }
 
 /// Independent statements of variance 1 about the air and the lock.
@@ -72,40 +70,35 @@ pub(crate) struct Evidence {
     pub(crate) n_pushing: usize,
 }
 
-impl Witness<'_> {
+impl Station {
     /// What the lock says if the air is about as in `state`; `None` if it can say nothing (a number is not finite).
+    /// `friction` is the body's.
     pub(crate) fn evidence(
         &self,
-        places: &Places,
+        balance: &Balance<'_>,
         modes: &SwirlModes,
         state: &AirState,
         slope: DragSlope,
+        friction: f64,
     ) -> Option<Evidence> {
-        let Balance { seen, step, step_secs, rest, .. } = self.balance;
-        let at = &seen.steps[step];
-        let (winds, by_state) = winds(places, modes, state);
+        let seen = balance.seen;
+        let (winds, by_state) = self.winds(modes, state);
         let at_middles: Vec<Vec3> = (0..seen.lock.n_sticks())
             .map(|stick| {
                 let shares = seen.wind_share(seen.lock.arcs_m[stick] - 0.5 * seen.lock.lengths_m[stick]);
                 shares.iter().map(|(place, share)| winds[*place] * *share).sum()
             })
             .collect();
-        let out = self.balance.imbalance(&at_middles, slope);
-        let lower = noise::covariance(seen, at, rest, step_secs).cholesky()?.l();
-        let within_m = seen.lock.width_m + CURVE_ERROR_M;
-        let touching = contact::touching(seen, at, self.surfaces, within_m);
+        let out = balance.imbalance(&at_middles, slope);
+        let lower = self.lower.as_ref()?;
         let weight_n = seen.lock.masses_kg.iter().sum::<f64>() * STANDARD_GRAVITY;
-        let white = contact::less_body(
-            contact::Whitened {
-                moments: lower.solve_lower_triangular(&out.moments)?,
-                by_wind: lower.solve_lower_triangular(&out.by_wind)?,
-                by_scales: lower.solve_lower_triangular(&out.by_scales)?,
-                n_pushing: 0,
-            },
-            &lower.solve_lower_triangular(&touching)?,
-            weight_n,
-            self.friction,
-        );
+        let white = contact::Whitened {
+            moments: lower.solve_lower_triangular(&out.moments)?,
+            by_wind: lower.solve_lower_triangular(&out.by_wind)?,
+            by_scales: lower.solve_lower_triangular(&out.by_scales)?,
+            n_pushing: 0,
+        };
+        let white = contact::less_body(white, &self.touching, weight_n, friction);
         let square = white.moments.norm_squared();
         let weight = ((ROBUST + white.moments.len() as f64) / (ROBUST + square)).min(1.0);
         square.is_finite().then(|| Evidence {
@@ -116,19 +109,19 @@ impl Witness<'_> {
             n_pushing: white.n_pushing,
         })
     }
-}
 
-/// The wind at the places, and its change with the state: three rows a place.
-fn winds(places: &Places, modes: &SwirlModes, state: &AirState) -> (Vec<Vec3>, DMatrix<f64>) {
-    let n = state.values.len();
-    let mut winds = Vec::with_capacity(places.points_m.len());
-    let mut by_state = DMatrix::zeros(3 * places.points_m.len(), n);
-    for (p, (point_m, stream)) in places.points_m.iter().zip(&places.streams).enumerate() {
-        let wind = wind_at(stream, modes, state, *point_m);
-        for (axis, change) in wind.change.chunks_exact(n).enumerate() {
-            by_state.row_mut(3 * p + axis).iter_mut().zip(change).for_each(|(slot, c)| *slot = *c);
+    /// The wind at the places, and its change with the state: three rows a place.
+    fn winds(&self, modes: &SwirlModes, state: &AirState) -> (Vec<Vec3>, DMatrix<f64>) {
+        let n = state.values.len();
+        let mut winds = Vec::with_capacity(self.points_m.len());
+        let mut by_state = DMatrix::zeros(3 * self.points_m.len(), n);
+        for (p, (point_m, stream)) in self.points_m.iter().zip(&self.streams).enumerate() {
+            let wind = wind_at(stream, modes, state, *point_m);
+            for (axis, change) in wind.change.chunks_exact(n).enumerate() {
+                by_state.row_mut(3 * p + axis).iter_mut().zip(change).for_each(|(slot, c)| *slot = *c);
+            }
+            winds.push(wind.velocity);
         }
-        winds.push(wind.velocity);
+        (winds, by_state)
     }
-    (winds, by_state)
 }

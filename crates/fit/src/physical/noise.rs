@@ -20,8 +20,9 @@ const FILL_RATE: f64 = 15.0;
 /// Error of a joint's stiffness as a share of it.
 const STIFFNESS_SHARE: f64 = 0.3;
 
-/// Error of a joint's bend, rad: what a spline between markers cannot see, and twist.
-const BEND_ERROR: f64 = 0.08;
+/// Error of a joint's bend, rad: what a spline between markers cannot see (curls of a few millimeters), and twist. If it rises,
+/// less is told by the outer ends of locks, whose weight is small beside their stiffness.
+const BEND_ERROR: f64 = 0.15;
 
 /// The same for a lock whose shape without weight nobody knows.
 const BEND_UNKNOWN: f64 = 0.4;

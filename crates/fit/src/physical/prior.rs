@@ -3,21 +3,25 @@
 use super::smoother::Wander;
 use super::solve::Problem;
 use crate::outside_direction;
-use nalgebra::DVector;
+use nalgebra::{DVector, Matrix3};
 use tousle_core::Vec3;
 use tousle_flow::N_STREAM;
 
-/// Time in which swirls are made anew, s: 10 cm across at half a meter a second.
-const SWIRL_LASTS_SECS: f64 = 0.2;
+/// Half the way over which a swirl turns round, m: swirls near a head are some 10 to 20 cm across. The stream carries them
+/// past (Taylor's hypothesis), so that at one place they last as long as the stream takes for this way.
+pub(crate) const SWIRL_LENGTH_M: f64 = 0.14;
 
 /// Strength of swirls over the stream's: what a wind between walls carries, and what a simple wake and layer leave out.
-const SWIRL_SHARE: f64 = 0.25;
+pub(crate) const SWIRL_SHARE: f64 = 0.25;
 
 /// The least strength of swirls, m/s, so that air that stands still far away may move near the head.
 const LEAST_SWIRL_MPS: f64 = 0.05;
 
 /// How far the wind may be from the fans' setting, as a share of it: gusts, and fans that are set by eye.
 const FAN_SHARE: f64 = 0.5;
+
+/// The same up and down, where fans do not swing and floor and ceiling are near.
+const RISING_SHARE: f64 = 0.15;
 
 /// Time in which the wind far away may change as far, s.
 const OUTSIDE_LASTS_SECS: f64 = 0.6;
@@ -33,8 +37,8 @@ const WAKE: [f64; 3] = [0.6, 0.3, 1.0];
 const LOG_LAYER: [f64; 3] = [-4.4, 0.7, 2.0];
 
 /// How strong swirls are in a stream, m/s.
-pub(crate) fn swirl_mps(outside: Vec3) -> f64 {
-    f64::max(SWIRL_SHARE * outside.norm(), LEAST_SWIRL_MPS)
+pub(crate) fn swirl_mps(outside: Vec3, share: f64) -> f64 {
+    f64::max(share * outside.norm(), LEAST_SWIRL_MPS)
 }
 
 /// Wind from the fans at every step, head axes, m/s; zero before they are on.
@@ -60,45 +64,56 @@ pub(crate) fn is_still(problem: &Problem<'_>, step: usize) -> bool {
     problem.still.is_some_and(|(first, last)| (first..=last).contains(&frame))
 }
 
-/// The state's prior: swirls about nothing, the wind far away about the fans', wake and layer about what is usual.
+/// The state's prior: swirls about nothing, wake and layer about what is usual, the wind far away from step to step.
 pub(crate) fn wander(problem: &Problem<'_>, fan_wind: &[Vec3], n_modes: usize) -> Wander {
     let n = n_modes + N_STREAM;
     let dt = 1.0 / problem.clock.rate_hz;
     let keep = |lasts_secs: f64| libm::exp(-dt / lasts_secs);
-    let mut keeps = DVector::from_element(n, keep(SWIRL_LASTS_SECS));
+    let strongest = strongest_mps(fan_wind);
+    let mut keeps = DVector::from_element(n, keep(SWIRL_LENGTH_M / strongest));
     let mut mean = DVector::zeros(n);
     let mut sd = DVector::from_element(n, 1.0);
     for (i, [value, spread, lasts]) in [WAKE, LOG_LAYER].iter().enumerate() {
         let at = n_modes + 3 + i;
         (keeps[at], mean[at], sd[at]) = (keep(*lasts), *value, *spread);
     }
+    let mut first = sd.map(|s: f64| 1.0 / (s * s));
+    let mut fresh = DVector::from_fn(n, |i, _| first[i] / (1.0 - keeps[i] * keeps[i]));
+    let step_mps = FAN_SHARE * strongest * (2.0 * dt / OUTSIDE_LASTS_SECS).sqrt();
+    for c in n_modes..n_modes + 3 {
+        (keeps[c], first[c], fresh[c]) = (1.0, 0.0, 1.0 / (step_mps * step_mps));
+    }
+    Wander { mean, first, keeps, fresh }
+}
+
+/// What is known of the wind far away at every step before any lock is asked: the precision matrix of its value, which is
+/// about [`fan_wind`].
+///
+/// A number that wanders by σ from step to step and is pulled back with a spread of s has a spread of √(σ s / 2) in the long
+/// run: s is chosen for [`FAN_SHARE`] of the fans' wind level with the ground, where fans are turned and take turns, and for
+/// [`RISING_SHARE`] of it up and down.
+pub(crate) fn known_outside(problem: &Problem<'_>, fan_wind: &[Vec3]) -> Vec<Matrix3<f64>> {
+    let strongest = strongest_mps(fan_wind);
+    let dt = 1.0 / problem.clock.rate_hz;
+    let step_mps = FAN_SHARE * strongest * (2.0 * dt / OUTSIDE_LASTS_SECS).sqrt();
+    let precision = |share: f64| {
+        let pull_mps = 2.0 * (share * strongest) * (share * strongest) / step_mps;
+        1.0 / (pull_mps * pull_mps)
+    };
+    let (level, rising) = (precision(FAN_SHARE), precision(RISING_SHARE));
+    (0..problem.clock.n_steps)
+        .map(|step| {
+            if is_still(problem, step) {
+                return Matrix3::from_diagonal_element(1.0 / (DRAFT_MPS * DRAFT_MPS));
+            }
+            let up = -(problem.clock.pose(step).rotation.inverse() * problem.gravity_world).normalize();
+            Matrix3::from_diagonal_element(level) + up * up.transpose() * (rising - level)
+        })
+        .collect()
+}
+
+/// The strongest wind that the fans make, m/s; where there is none, what may blow unnamed.
+fn strongest_mps(fan_wind: &[Vec3]) -> f64 {
     let strongest = fan_wind.iter().map(Vec3::norm).fold(0.0, f64::max);
-    let outside_sd = if strongest > 0.0 { FAN_SHARE * strongest } else { UNNAMED_MPS };
-    let mut fresh = DVector::from_fn(n, |i, _| 1.0 / (sd[i] * sd[i] * (1.0 - keeps[i] * keeps[i])));
-    for c in 0..3 {
-        let wander = outside_sd * (2.0 * dt / OUTSIDE_LASTS_SECS).sqrt();
-        keeps[n_modes + c] = 1.0;
-        fresh[n_modes + c] = 1.0 / (wander * wander);
-    }
-    let mut known = Vec::new();
-    let mut sure = Vec::new();
-    for (k, fan) in fan_wind.iter().enumerate() {
-        let mut value = mean.clone();
-        let mut precision = DVector::zeros(n);
-        if k == 0 {
-            precision = sd.map(|s: f64| 1.0 / (s * s));
-        }
-        let spread = if is_still(problem, k) {
-            DRAFT_MPS
-        } else {
-            outside_sd * (2.0 * OUTSIDE_LASTS_SECS / dt).sqrt()
-        };
-        for c in 0..3 {
-            value[n_modes + c] = fan[c];
-            precision[n_modes + c] = 1.0 / (spread * spread);
-        }
-        known.push(value);
-        sure.push(precision);
-    }
-    Wander { keeps, fresh, mean, known, sure }
+    if strongest > 0.0 { strongest } else { UNNAMED_MPS }
 }

@@ -1,12 +1,12 @@
 //! All locks, all times and the air together: Gauss and Newton's method.
 
-use super::evidence::{Evidence, Places, Witness};
+use super::evidence::{Evidence, Station};
 use super::lock::SeenLock;
 use super::moments::{Balance, DragSlope, Scales, ScalesSaid};
-use super::prior::{fan_wind, swirl_mps, wander};
+use super::prior::{SWIRL_LENGTH_M, SWIRL_SHARE, fan_wind, known_outside, swirl_mps, wander};
 use super::smoother::{Said, Wander, most_likely};
 use super::tracks::Clock;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Matrix3};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use tousle_core::{HeadCapture, Pose, Progress, Session, Vec3};
@@ -38,17 +38,11 @@ pub(crate) struct Solved {
     pub(crate) left_over: f64,
 }
 
-/// Half the way over which a swirl turns round, m: swirls near a head are some 10 to 20 cm across.
-const SWIRL_LENGTH_M: f64 = 0.10;
-
 /// Distance of the points from which the modes are chosen, m.
 const MODE_POINTS_M: f64 = 0.06;
 
 /// How far around the hair swirls are told, m.
 const MODE_REACH_M: f64 = 0.1;
-
-/// Of what a rest curve leaves open: as the simulator has it.
-const STRAIGHTNESS: f64 = 0.5;
 
 /// Times that everything is made linear anew; the first from a guess.
 const ROUNDS: usize = 5;
@@ -65,9 +59,11 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
     let surroundings = Surroundings::new(problem, &stream);
     let fan_wind = fan_wind(problem);
     let wander = wander(problem, &fan_wind, modes.n_modes());
+    let outside = known_outside(problem, &fan_wind);
     let mut air = AirFlow { stream, states: first_guess(&wander, &fan_wind, modes.n_modes()), modes };
     let mut scales = vec![Scales::default(); locks.len()];
     let mut said = Vec::new();
+    let mut swirl_share = SWIRL_SHARE;
     for round in 0..ROUNDS {
         let slope = if round == 0 { DragSlope::Secant(GUESS_MPS) } else { DragSlope::Tangent };
         said = (0..clock.n_steps)
@@ -80,7 +76,19 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
                 scales.update(said.iter().map(|s| &s.of_locks[lock].scales));
             }
         }
-        step_states(&mut air.states, &wander, &mut said, is_last);
+        for (said, (precision, fan)) in said.iter_mut().zip(outside.iter().zip(&fan_wind)) {
+            said.of_air.add_outside(precision, *fan);
+        }
+        let learns = round + 2 >= ROUNDS;
+        step_states(&mut air.states, &wander, &mut said, learns);
+        if !is_last {
+            if learns {
+                swirl_share = learnt_share(&air.states, swirl_share);
+            }
+            for state in &mut air.states {
+                state.rescale(swirl_mps(state.outside(), swirl_share));
+            }
+        }
         progress.at(round as u64 + 1, ROUNDS as u64);
     }
     let n_rows: usize = locks.iter().map(|seen| 2 * seen.lock.n_sticks()).sum();
@@ -100,10 +108,8 @@ struct Surroundings {
     law: DragLaw,
     /// By lock; `None` without a still interval.
     rests: Vec<Option<Rest>>,
-    /// By step.
-    surfaces: Vec<Vec<Surface>>,
     /// By step and lock.
-    places: Vec<Vec<Places>>,
+    stations: Vec<Vec<Station>>,
 }
 
 impl Surroundings {
@@ -113,29 +119,41 @@ impl Surroundings {
         let rods: Vec<_> = locks.iter().map(|seen| seen.lock.clone()).collect();
         let by_rest = Touch::by_rest(&rods, &session.body);
         let rest = |seen: &SeenLock| {
-            let likely = Likely {
-                twist: Twist::Held,
-                touch: by_rest.unwrap_or_else(|| Touch::by_width(&seen.lock)),
-                friction: session.body.friction,
-                straightness: STRAIGHTNESS,
-            };
+            let touch = by_rest.unwrap_or_else(|| Touch::by_width(&seen.lock));
+            let likely = Likely { touch, ..Likely::smooth(&seen.lock, Twist::Held) };
             problem.still.map(|_| rest_state(&seen.lock, gravity, &session.body, &likely))
         };
-        let surfaces: Vec<Vec<Surface>> = (0..clock.n_steps)
-            .map(|step| {
-                let torso = session.body.head_from_torso(clock.pose(step), rest_pose);
-                Surface::of_body(&session.body, &torso)
-            })
-            .collect();
-        let of_step = |step: usize| {
-            locks.iter().map(|seen| Places::new(seen, step, &surfaces[step], stream)).collect::<Vec<_>>()
-        };
-        let places = (0..clock.n_steps).into_par_iter().map(of_step).collect();
-        Self {
+        let mut around = Self {
             law: DragLaw::in_air(session.air_density),
             rests: locks.iter().map(rest).collect(),
-            surfaces,
-            places,
+            stations: Vec::new(),
+        };
+        let of_step = |step: usize| {
+            let torso = session.body.head_from_torso(clock.pose(step), rest_pose);
+            let surfaces = Surface::of_body(&session.body, &torso);
+            let station = |lock: usize| {
+                Station::new(&around.balance(problem, lock, step, Scales::default()), &surfaces, stream)
+            };
+            (0..locks.len()).map(station).collect()
+        };
+        around.stations = (0..clock.n_steps).into_par_iter().map(of_step).collect();
+        around
+    }
+
+    fn balance<'a>(
+        &'a self,
+        problem: &'a Problem<'_>,
+        lock: usize,
+        step: usize,
+        scales: Scales,
+    ) -> Balance<'a> {
+        Balance {
+            seen: &problem.locks[lock],
+            step,
+            step_secs: 1.0 / problem.clock.rate_hz,
+            rest: self.rests[lock].as_ref(),
+            law: &self.law,
+            scales,
         }
     }
 }
@@ -144,6 +162,17 @@ impl Surroundings {
 struct StepSaid {
     of_air: Said,
     of_locks: Vec<LockSaid>,
+}
+
+impl Said {
+    /// Adds what is known of the wind far away: a value and its precision.
+    fn add_outside(&mut self, precision: &Matrix3<f64>, value: Vec3) {
+        let at = self.vector.len() - N_STREAM;
+        let mut block = self.information.fixed_view_mut::<3, 3>(at, at);
+        block += precision;
+        let mut rows = self.vector.fixed_rows_mut::<3>(at);
+        rows += precision * value;
+    }
 }
 
 /// What a lock at a step says of itself.
@@ -165,20 +194,11 @@ fn ask(
     let state = &air.states[step];
     let n = state.values.len();
     let mut of_air = Said { information: DMatrix::zeros(n, n), vector: DVector::zeros(n) };
-    let mut of_lock = |(lock, seen): (usize, &SeenLock)| {
-        let witness = Witness {
-            balance: Balance {
-                seen,
-                step,
-                step_secs: 1.0 / problem.clock.rate_hz,
-                rest: around.rests[lock].as_ref(),
-                law: &around.law,
-                scales: scales[lock],
-            },
-            surfaces: &around.surfaces[step],
-            friction: problem.session.body.friction,
-        };
-        let Some(evidence) = witness.evidence(&around.places[step][lock], &air.modes, state, slope) else {
+    let friction = problem.session.body.friction;
+    let mut of_lock = |lock: usize| {
+        let balance = around.balance(problem, lock, step, scales[lock]);
+        let station = &around.stations[step][lock];
+        let Some(evidence) = station.evidence(&balance, &air.modes, state, slope, friction) else {
             return LockSaid::default();
         };
         add(&evidence, &state.values, &mut of_air);
@@ -188,7 +208,7 @@ fn ask(
             scales: ScalesSaid::new(&evidence.by_scales, &evidence.moments, evidence.weight),
         }
     };
-    let of_locks = problem.locks.iter().enumerate().map(&mut of_lock).collect();
+    let of_locks = (0..problem.locks.len()).map(&mut of_lock).collect();
     StepSaid { of_air, of_locks }
 }
 
@@ -199,20 +219,32 @@ fn add(evidence: &Evidence, values: &DVector<f64>, said: &mut Said) {
     said.information.gemm_tr(evidence.weight, &evidence.by_state, &evidence.by_state, 1.0);
 }
 
-/// Moves the states to the most likely ones; in the last round their covariances are kept.
-fn step_states(states: &mut [AirState], wander: &Wander, said: &mut [StepSaid], is_last: bool) {
+/// Moves the states to the most likely ones, with their covariances if asked for.
+fn step_states(states: &mut [AirState], wander: &Wander, said: &mut [StepSaid], with_covariance: bool) {
     let of_air: Vec<Said> = said.iter_mut().map(|s| core::mem::take(&mut s.of_air)).collect();
-    let Some(likely) = most_likely(wander, &of_air, is_last) else { return };
+    let Some(likely) = most_likely(wander, &of_air, with_covariance) else { return };
     for (state, values) in states.iter_mut().zip(likely.states) {
         state.values = values;
         state.tame();
-        if !is_last {
-            state.rescale(swirl_mps(state.outside()));
-        }
     }
     for (state, covariance) in states.iter_mut().zip(likely.covariances) {
         state.covariance = covariance;
     }
+}
+
+/// How strong swirls really are, over the stream: that for which coefficients, as far as the locks tell them, have variance 1
+/// (D. J. C. `MacKay`, "Bayesian interpolation", *Neural Computation* 4, 1992).
+fn learnt_share(states: &[AirState], share: f64) -> f64 {
+    let mut square = 0.0;
+    let mut told = 0.0;
+    for state in states {
+        for i in 0..state.n_modes() {
+            square += state.values[i] * state.values[i];
+            told += f64::max(1.0 - state.covariance[(i, i)], 0.0);
+        }
+    }
+    let times = if told > 1.0 { (square / told).sqrt() } else { 1.0 };
+    share * times.clamp(0.3, 3.0)
 }
 
 /// The fans' wind, no swirls, and wake and layer as they usually are.
@@ -221,7 +253,7 @@ fn first_guess(wander: &Wander, fan_wind: &[Vec3], n_modes: usize) -> Vec<AirSta
         let mut values = wander.mean.clone();
         values.fixed_rows_mut::<3>(n_modes).copy_from(fan);
         let n = n_modes + N_STREAM;
-        AirState { values, covariance: DMatrix::zeros(n, n), swirl_mps: swirl_mps(*fan) }
+        AirState { values, covariance: DMatrix::zeros(n, n), swirl_mps: swirl_mps(*fan, SWIRL_SHARE) }
     };
     fan_wind.iter().map(state).collect()
 }

@@ -1,0 +1,139 @@
+//! Measuring the wind judged: `paper` and `physical` on every capture, and what becomes of `physical` with other voxels,
+//! rates, markers, locks, noise and gaps.
+
+mod calibration;
+mod report;
+mod setting;
+mod worse;
+
+pub use calibration::Calibration;
+pub use report::MeasureReport;
+pub use setting::Setting;
+pub use worse::Worse;
+
+use crate::capture::failed;
+use crate::{
+    BenchError, CaptureFolder, Cost, FieldScore, MotionScore, Stopwatch, TrueWind, resample_to_truth,
+    score_field, sim_in_field,
+};
+use serde::Serialize;
+use std::path::Path;
+use tousle_core::{NoProgress, Progress, STANDARD_GRAVITY, UpAxis};
+use tousle_field::{FieldSequence, GridSpec, Scene};
+use tousle_fit::{FitMethod, FitOptions};
+use tousle_pipeline::{Input, PrepareOptions, Prepared, Silent, prepare};
+use tousle_raster::{RasterMethod, RasterOptions};
+use tousle_sim::{Method, SimOptions};
+
+/// One setting on one capture.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeasureRow {
+    /// The capture's name.
+    pub capture: String,
+    /// What is varied: `method`, `voxel`, `rate`, `markers`, `locks`, `noise`, `gaps`.
+    pub varied: &'static str,
+    /// The setting in words.
+    pub setting: String,
+    /// What cleaning, fit and raster cost.
+    pub cost: Cost,
+    /// Style B simulated in the field, against its truth.
+    pub motion: MotionScore,
+    /// The field against the true wind.
+    pub field: FieldScore,
+    /// How honest the field's standard deviations are; `None` where it states none.
+    pub calibration: Option<Calibration>,
+}
+
+/// Extent of the grid, m: that of the truth.
+const EXTENT_M: f64 = 0.6;
+
+/// Measures the wind of every capture in every setting, simulates style B in it, and scores both.
+///
+/// `names` are the captures' names; empty for all. Progress is in runs.
+///
+/// # Errors
+/// [`BenchError`] with the capture and the stage that failed.
+pub fn run(
+    captures: &Path,
+    names: &[String],
+    settings: &[Setting],
+    progress: &dyn Progress,
+) -> Result<MeasureReport, BenchError> {
+    let mut folders = CaptureFolder::all(captures)?;
+    if !names.is_empty() {
+        folders.retain(|folder| names.iter().any(|name| name == folder.name()));
+    }
+    let total = (folders.len() * settings.len()) as u64;
+    let mut rows = Vec::new();
+    for folder in &folders {
+        let wind = folder.truth.wind().map_err(folder.truth_failed())?;
+        let (csv, session) = (folder.csv()?, folder.session_bytes()?);
+        let capture = Input { name: "capture", bytes: &csv };
+        let options = PrepareOptions { clean: None, ..PrepareOptions::default() };
+        let prepared = prepare(capture, Input { name: "session.json", bytes: &session }, &options, &Silent)
+            .map_err(failed(folder.name(), "reading"))?;
+        for setting in settings {
+            progress.at(rows.len() as u64, total);
+            rows.push(judge(folder, &wind, &prepared, setting)?);
+        }
+    }
+    progress.at(total, total);
+    Ok(MeasureReport { rows })
+}
+
+fn judge(
+    folder: &CaptureFolder,
+    wind: &TrueWind,
+    prepared: &Prepared,
+    setting: &Setting,
+) -> Result<MeasureRow, BenchError> {
+    let watch = Stopwatch::start();
+    let (field, scene) = measure(folder.name(), prepared, setting)?;
+    let cost = watch.stop();
+    let simulate = match setting.fit {
+        FitMethod::Paper(_) => SimOptions::of(Method::Paper),
+        _ => SimOptions { dt_secs: Some(1.0 / 60.0), ..SimOptions::of(Method::Physical) },
+    };
+    let judged = sim_in_field(folder, &field, &scene, &simulate)?;
+    let score =
+        score_field(&resample_to_truth(&field, wind), wind).map_err(failed(folder.name(), "scoring"))?;
+    Ok(MeasureRow {
+        capture: folder.name().to_owned(),
+        varied: setting.varied,
+        setting: setting.words.clone(),
+        cost,
+        motion: judged.score,
+        field: score,
+        calibration: Calibration::of(&field, wind),
+    })
+}
+
+/// The stages from cleaning on, on a capture made worse.
+fn measure(name: &str, prepared: &Prepared, setting: &Setting) -> Result<(FieldSequence, Scene), BenchError> {
+    let session = &prepared.session;
+    let worse = setting.worse.applied(&prepared.located.head);
+    let cleaned =
+        tousle_clean::clean(&worse, session, &Default::default()).map_err(failed(name, "cleaning"))?;
+    let up_axis = session.up_axis.or(prepared.ingested.capture.up_axis);
+    let fit_options = FitOptions { method: setting.fit.clone(), rate_hz: setting.rate_hz, up_axis };
+    let fit = tousle_fit::fit(&cleaned.head, Some(&cleaned.samples), session, &fit_options, &NoProgress)
+        .map_err(failed(name, "the fit"))?;
+    let method = match setting.fit {
+        FitMethod::Paper(_) => RasterMethod::Paper,
+        _ => RasterMethod::Physical,
+    };
+    let grid = GridSpec::cube(EXTENT_M, setting.edge_m).map_err(failed(name, "the grid"))?;
+    let options = RasterOptions { method, grid };
+    let raster =
+        tousle_raster::rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &options, &NoProgress)
+            .map_err(failed(name, "filling the grid"))?;
+    let tracked = &prepared.located.tracked;
+    let scene = Scene {
+        poses: tracked.poses.clone(),
+        rest_pose: tracked.rest_pose,
+        gravity_world: -up_axis.unwrap_or(UpAxis::Z).vector() * STANDARD_GRAVITY,
+        air_density: session.air_density,
+        body: session.body.clone(),
+    };
+    Ok((raster.sequence, scene))
+}

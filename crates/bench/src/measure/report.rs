@@ -1,0 +1,91 @@
+use super::{Calibration, MeasureRow};
+use crate::{Cell, Table};
+use tousle_page::{Axis, PLOT_STYLE, Plot, Series, Shell, escape};
+
+/// What the bench found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasureReport {
+    /// One a capture and setting.
+    pub rows: Vec<MeasureRow>,
+}
+
+impl MeasureReport {
+    /// Every run as a row.
+    pub fn table(&self) -> Table {
+        let columns = [
+            "capture",
+            "varied",
+            "setting",
+            "explained motion",
+            "median lock",
+            "explained fluctuation",
+            "mean mm",
+            "vector error, hair",
+            "median angle, hair",
+            "vector error, nearby",
+            "vector error, elsewhere",
+            "within 2 sd, hair",
+            "nearby",
+            "elsewhere",
+            "CPU s",
+            "wall s",
+        ];
+        let mut table = Table::new("The wind, measured", &columns);
+        for row in &self.rows {
+            let points = &row.motion.points;
+            let within = row.calibration.as_ref().map(Calibration::within_two);
+            table.push(vec![
+                Cell::text(&row.capture),
+                Cell::text(row.varied),
+                Cell::text(&row.setting),
+                Cell::number(points.explained_motion, 3),
+                Cell::maybe(row.motion.locks.as_ref().map(|locks| locks.explained_median), 3),
+                Cell::number(points.explained_fluctuation, 3),
+                Cell::number(points.mean_mm, 1),
+                Cell::maybe(row.field.hair.map(|s| s.vector_error), 3),
+                Cell::maybe(row.field.hair.map(|s| s.angle_median_deg), 1),
+                Cell::maybe(row.field.nearby.map(|s| s.vector_error), 3),
+                Cell::maybe(row.field.elsewhere.map(|s| s.vector_error), 3),
+                Cell::maybe(within.map(|w| w[0]), 3),
+                Cell::maybe(within.map(|w| w[1]), 3),
+                Cell::maybe(within.map(|w| w[2]), 3),
+                Cell::maybe(row.cost.cpu_secs, 1),
+                Cell::number(row.cost.wall_secs, 1),
+            ]);
+        }
+        table
+    }
+
+    /// Stated against found uncertainty where hair was: one curve a capture, and the bell that would be right.
+    pub fn calibration_plot(&self) -> Plot {
+        let series = |name: &str, shares: &[f64]| Series {
+            points: Calibration::TIMES.iter().zip(shares).map(|(z, share)| [*z, *share]).collect(),
+            name: name.to_owned(),
+            ..Series::default()
+        };
+        let of_row = |row: &MeasureRow| {
+            let calibration = row.calibration.as_ref().filter(|_| row.varied == "method")?;
+            Some(series(&row.capture, &calibration.within[0]))
+        };
+        let bell = series("a bell", &Calibration::of_a_bell());
+        let axis = |label: &str| Axis { label: label.to_owned(), ..Axis::default() };
+        Plot {
+            title: "Share of the true wind within so many stated standard deviations, where hair was".into(),
+            x: axis("standard deviations"),
+            y: axis("share of components"),
+            series: core::iter::once(bell).chain(self.rows.iter().filter_map(of_row)).collect(),
+            size_px: [860.0, 520.0],
+        }
+    }
+
+    /// A page of its own. `measured` says on what machine and when.
+    pub fn to_html(&self, measured: &str) -> String {
+        let body = format!(
+            "<main>\n<h1>The wind, measured</h1>\n<p>{}</p>\n{}\n{}\n</main>\n",
+            escape(measured),
+            self.calibration_plot().svg(),
+            self.table().to_page().html(),
+        );
+        Shell { title: "tousle bench wind", styles: &[PLOT_STYLE], body, ..Shell::default() }.html()
+    }
+}

@@ -1,0 +1,57 @@
+use super::Worse;
+use tousle_fit::{FitMethod, PaperOptions, PhysicalOptions};
+
+/// How the wind is measured, and on how good a capture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// What is varied.
+    pub varied: &'static str,
+    /// The setting in words.
+    pub words: String,
+    /// The method.
+    pub fit: FitMethod,
+    /// Edge of a voxel, m.
+    pub edge_m: f64,
+    /// Time steps a second.
+    pub rate_hz: f64,
+    /// What is done to the capture first.
+    pub worse: Worse,
+}
+
+impl Setting {
+    /// Both methods as they are by default.
+    pub fn methods() -> Vec<Self> {
+        let paper =
+            Self { words: "paper".into(), fit: FitMethod::Paper(PaperOptions::default()), ..Self::usual() };
+        vec![paper, Self::usual()]
+    }
+
+    /// The method `physical`, one thing varied at a time.
+    pub fn varied() -> Vec<Self> {
+        let edge =
+            |mm: f64| Self { edge_m: mm * 1e-3, ..Self::of("voxel", format!("{mm:.0} mm"), Worse::Not) };
+        let rate = |hz: f64| Self { rate_hz: hz, ..Self::of("rate", format!("{hz:.0} Hz"), Worse::Not) };
+        let mut settings: Vec<Self> = [10.0, 30.0, 60.0].map(edge).into();
+        settings.extend([15.0, 60.0].map(rate));
+        let with = |varied, words: &str, worse| Self::of(varied, words.to_owned(), worse);
+        settings.extend([
+            with("markers", "every second of a lock", Worse::EverySecondMarker),
+            with("locks", "14", Worse::Locks(14)),
+            with("locks", "7", Worse::Locks(7)),
+            with("noise", "0.5 mm more", Worse::Noise(0.5e-3)),
+            with("noise", "1 mm more", Worse::Noise(1e-3)),
+            with("gaps", "10 % more", Worse::Gaps(0.1)),
+            with("gaps", "30 % more", Worse::Gaps(0.3)),
+        ]);
+        settings
+    }
+
+    fn usual() -> Self {
+        Self::of("method", "physical".into(), Worse::Not)
+    }
+
+    fn of(varied: &'static str, words: String, worse: Worse) -> Self {
+        let fit = FitMethod::Physical(PhysicalOptions::default());
+        Self { varied, words, fit, edge_m: 0.02, rate_hz: 30.0, worse }
+    }
+}

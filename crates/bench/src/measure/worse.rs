@@ -1,0 +1,97 @@
+use tousle_core::{HeadCapture, Track, Vec3};
+
+/// What is done to a capture before it is measured: always the same for the same capture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Worse {
+    /// Nothing.
+    Not,
+    /// Of each lock the second, fourth … marker from the tip inwards was never seen.
+    EverySecondMarker,
+    /// Only so many locks were seen, evenly from all.
+    Locks(usize),
+    /// White noise of this standard deviation more in every coordinate, m.
+    Noise(f64),
+    /// This share of all samples more is missing, in gaps of a quarter of a second.
+    Gaps(f64),
+}
+
+/// Length of a gap, s.
+const GAP_SECS: f64 = 0.25;
+
+impl Worse {
+    /// A capture made worse.
+    pub fn applied(self, head: &HeadCapture) -> HeadCapture {
+        let mut worse = head.clone();
+        let n_strands = worse.strands.len();
+        let gap_frames = (GAP_SECS * head.rate_hz).round().max(1.0) as usize;
+        let mut dice = Dice(1);
+        for (strand_idx, strand) in worse.strands.iter_mut().enumerate() {
+            let n_markers = strand.markers.len();
+            for (marker_idx, track) in strand.markers.iter_mut().enumerate() {
+                match self {
+                    Self::EverySecondMarker if (n_markers - marker_idx).is_multiple_of(2) => hide(track),
+                    Self::Locks(n) if is_left_out(strand_idx, n_strands, n) => hide(track),
+                    Self::Not | Self::EverySecondMarker | Self::Locks(_) => {}
+                    Self::Noise(sd_m) => {
+                        *track = track.map(|_, p| Some(p + Vec3::from_fn(|_, _| sd_m * dice.normal())));
+                    }
+                    Self::Gaps(share) => {
+                        let n_gaps = (share * track.n_frames() as f64 / gap_frames as f64).round() as usize;
+                        for _ in 0..n_gaps {
+                            let first = (dice.even() * track.n_frames() as f64) as usize;
+                            (first..(first + gap_frames).min(track.n_frames()))
+                                .for_each(|f| track.set(f, None));
+                        }
+                    }
+                }
+            }
+        }
+        worse
+    }
+}
+
+fn hide(track: &mut Track) {
+    *track = Track::missing(track.n_frames());
+}
+
+/// Whether a lock is not among `n` that are spread evenly over all.
+fn is_left_out(strand_idx: usize, n_strands: usize, n: usize) -> bool {
+    strand_idx * n / n_strands == (strand_idx + 1) * n / n_strands
+}
+
+/// Numbers without a pattern (Steele, Lea and Flood's splitmix64, 2014).
+struct Dice(u64);
+
+impl Dice {
+    /// Evenly from 0 to 1.
+    fn even(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Of a bell of variance 1: twelve even numbers added up, which is one to three digits.
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.even()).sum::<f64>() - 6.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn locks_are_left_out_evenly() {
+        let kept = |n| (0..27).filter(|k| !is_left_out(*k, 27, n)).count();
+        assert_eq!([kept(27), kept(14), kept(7)], [27, 14, 7]);
+    }
+
+    #[test]
+    fn dice_have_the_variance_they_say() {
+        let mut dice = Dice(1);
+        let square: f64 = (0..10_000).map(|_| dice.normal()).map(|x| x * x).sum();
+        assert!((square / 10_000.0 - 1.0).abs() < 0.05, "{square}");
+    }
+}

@@ -1,0 +1,40 @@
+//! The wind that the method `physical` measures in the captures: what it reached is kept.
+
+use std::path::Path;
+use tousle_bench::measure::{self, Calibration, Setting};
+use tousle_core::NoProgress;
+
+/// Style B's explained motion and the median lock's, and the wind's error where hair was, rounded away from what was
+/// reached by some .02; beside them the method `paper`, which must be beaten in both on every capture.
+#[test]
+fn another_hairstyle_moves_as_it_really_did() {
+    let Some(shared) = std::env::var_os("TOUSLE_SHARED") else {
+        eprintln!("skipped: TOUSLE_SHARED is not set");
+        return;
+    };
+    let captures = Path::new(&shared).join("captures");
+    for (name, explained, median, vector_error) in [
+        ("gusts_left", 0.89, 0.90, 0.18),
+        ("nod_turn", 0.64, 0.89, 0.22),
+        ("steady_front", 0.90, 0.90, 0.22),
+        ("sweep_0_120", 0.88, 0.92, 0.23),
+        ("turbulent_dirty", 0.77, 0.82, 0.27),
+        ("two_fans", 0.73, 0.86, 0.25),
+    ] {
+        let report = measure::run(&captures, &[name.to_owned()], &Setting::methods(), &NoProgress).unwrap();
+        let [paper, physical] = &report.rows[..] else { panic!("expected two rows") };
+        let motion = |row: &measure::MeasureRow| {
+            (row.motion.points.explained_motion, row.motion.locks.as_ref().unwrap().explained_median)
+        };
+        let (found, of_paper) = (motion(physical), motion(paper));
+        assert!(
+            found.0 >= explained && found.1 >= median,
+            "{name}: {found:?}, expected {explained}, {median}"
+        );
+        assert!(found.0 > of_paper.0 + 0.1 && found.1 > of_paper.1 + 0.1, "{name}: paper has {of_paper:?}");
+        let off = physical.field.hair.unwrap().vector_error;
+        assert!(off <= vector_error, "{name}: wind is off by {off} of it, expected at most {vector_error}");
+        let within = physical.calibration.as_ref().map(Calibration::within_two).unwrap();
+        assert!(within[0] > 0.85, "{name}: {within:?} of the truth within two standard deviations");
+    }
+}
