@@ -81,6 +81,37 @@ pub fn summary(report: &ConversionReport) -> String {
             fit.method, fit.n_samples, fit.n_steps, fit.n_missing
         ),
     );
+    if let Some(found) = &fit.physical {
+        let range = |values: Vec<f64>| {
+            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+            (low, values.iter().copied().fold(low, f64::max))
+        };
+        let stiffness = range(found.locks.iter().map(|lock| lock.stiffness_n_m2 * 1e6).collect());
+        let drag = range(found.locks.iter().map(|lock| lock.drag_scale).collect());
+        line(
+            "air",
+            format!(
+                "{:.1} m/s far away on average, {:.0} % less in the wake, {:.0} mm of slow air at the scalp",
+                found.outside_mps,
+                found.wake * 100.0,
+                found.layer_m * 1e3
+            ),
+        );
+        line(
+            "locks",
+            format!(
+                "{} explained; found stiffness {:.1} to {:.1} 10⁻⁶ N·m², drag {:.2} to {:.2} of that by width",
+                found.locks.len(),
+                stiffness.0,
+                stiffness.1,
+                drag.0,
+                drag.1
+            ),
+        );
+        for warning in &found.warnings {
+            line("warning", warning.clone());
+        }
+    }
     let raster = &report.raster;
     let all = (raster.n_measured + raster.n_interpolated + raster.n_outside).max(1) as f64;
     let percent = |n: u64| 100.0 * n as f64 / all;
