@@ -61,7 +61,7 @@ pub struct ConvertArgs {
     #[arg(short, long, value_name = "FIELD.eff.mcap")]
     pub output: PathBuf,
     /// How motion becomes wind.
-    #[arg(long, value_enum, default_value_t = MethodArg::Paper)]
+    #[arg(long, value_enum, default_value_t = MethodArg::Physical)]
     pub method: MethodArg,
     /// Edge of the grid about the head, mm.
     #[arg(long, default_value_t = 600.0, value_name = "MM")]
@@ -226,10 +226,10 @@ pub struct ReadArgs {
 /// `--method`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum MethodArg {
-    /// Kazama, Sugisaki and Morishima 2008, as documented in docs/equations.md.
-    Paper,
-    /// The air that explains the motion of all locks together (docs/physical-fit.md).
+    /// The air's velocity: what explains the motion of all locks together (docs/physical-fit.md).
     Physical,
+    /// Forces, by Kazama, Sugisaki and Morishima 2008, as documented in docs/equations.md.
+    Paper,
 }
 
 /// `--reading`

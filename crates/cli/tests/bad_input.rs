@@ -97,7 +97,7 @@ fn a_grid_that_is_no_whole_number_of_voxels() {
 #[test]
 fn a_field_with_a_flipped_byte() {
     let room = Room::new();
-    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 100").ended(0);
+    room.run("convert gusts.c3d --method paper --session session.json -o f.eff.mcap --voxel-mm 100").ended(0);
     let mut bytes = room.read("f.eff.mcap");
     let middle = bytes.len() / 2;
     bytes[middle] ^= 0x10;
@@ -116,7 +116,7 @@ fn a_field_with_a_flipped_byte() {
 #[test]
 fn a_groom_with_a_nan() {
     let room = Room::new();
-    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 100").ended(0);
+    room.run("convert gusts.c3d --method paper --session session.json -o f.eff.mcap --voxel-mm 100").ended(0);
     let groom = String::from_utf8(room.read("bob.json")).unwrap().replacen("0.02266", "NaN", 1);
     room.write("nan.json", groom);
     let before = room.files();
@@ -130,7 +130,8 @@ fn a_groom_with_a_nan() {
 fn a_disk_that_is_full() {
     let room = Room::new();
     let before = room.files();
-    let line = "ulimit -f 4096; $TOUSLE convert gusts.c3d --session session.json -o f.eff.mcap";
+    let line =
+        "ulimit -f 4096; $TOUSLE convert gusts.c3d --method paper --session session.json -o f.eff.mcap";
     room.shell(line).ended(1).says(&["f.eff.mcap", "nothing was written", "File too large"]);
     assert_eq!(room.files(), before);
 }
@@ -139,7 +140,8 @@ fn a_disk_that_is_full() {
 fn a_full_disk_leaves_the_old_file() {
     let room = Room::new();
     room.write("f.eff.mcap", "old");
-    let line = "ulimit -f 4096; $TOUSLE convert gusts.c3d --session session.json -o f.eff.mcap";
+    let line =
+        "ulimit -f 4096; $TOUSLE convert gusts.c3d --method paper --session session.json -o f.eff.mcap";
     room.shell(line).ended(1);
     assert_eq!(room.read("f.eff.mcap"), b"old");
 }

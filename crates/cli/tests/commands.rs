@@ -10,7 +10,7 @@ use common::Room;
 #[test]
 fn the_whole_road() {
     let room = Room::new();
-    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 50").ended(0);
+    room.run("convert gusts.c3d --method paper --session session.json -o f.eff.mcap --voxel-mm 50").ended(0);
     let validation = room.run("validate f.eff.mcap --json").ended(0);
     assert!(validation.out.contains("\"is_sound\": true"), "{}", validation.out);
 
@@ -76,7 +76,7 @@ fn a_capture_with_its_session_tells_its_quality() {
     );
     room.run("inspect gusts.c3d --report q.html").ended(2);
     room.run(&format!("{inspect} --report q.pdf")).ended(1);
-    let convert = "convert gusts.c3d --session session.json --voxel-mm 100 -o f.eff.mcap --no-clean --json";
+    let convert = "convert gusts.c3d --method paper --session session.json --voxel-mm 100 -o f.eff.mcap --no-clean --json";
     let told: serde_json::Value = serde_json::from_str(&room.run(convert).ended(0).out).unwrap();
     assert!(told["clean"].is_null());
 }
@@ -96,7 +96,7 @@ fn the_same_motion_for_any_number_of_threads() {
 #[test]
 fn before_the_first_key_nothing_moves() {
     let room = Room::new();
-    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 50").ended(0);
+    room.run("convert gusts.c3d --method paper --session session.json -o f.eff.mcap --voxel-mm 50").ended(0);
     let edit = room.run("edit f.eff.mcap --groom bob.json --edits lift.toml -o e.eff.mcap --json").ended(0);
     let edit: serde_json::Value = serde_json::from_str(&edit.out).unwrap();
     let first_change = edit["effects"]["first_change_secs"].as_f64().unwrap();
@@ -120,7 +120,7 @@ fn the_demo_writes_a_page_and_all_it_names() {
 #[test]
 fn a_cut_field_gives_back_its_whole_steps() {
     let room = Room::new();
-    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 50").ended(0);
+    room.run("convert gusts.c3d --method paper --session session.json -o f.eff.mcap --voxel-mm 50").ended(0);
     let bytes = room.read("f.eff.mcap");
     room.write("cut.eff.mcap", &bytes[..bytes.len() / 2]);
     room.run("validate cut.eff.mcap").ended(1);
@@ -133,7 +133,7 @@ fn a_cut_field_gives_back_its_whole_steps() {
 #[test]
 fn a_lossy_encoding_is_smaller_and_says_its_bound() {
     let room = Room::new();
-    let convert = "convert gusts.c3d --session session.json --voxel-mm 50";
+    let convert = "convert gusts.c3d --method paper --session session.json --voxel-mm 50";
     room.run(&format!("{convert} -o f32.eff.mcap")).ended(0);
     room.run(&format!("{convert} -o fixed.eff.mcap --encoding fixed --max-error 0.001")).ended(0);
     assert!(room.read("fixed.eff.mcap").len() < room.read("f32.eff.mcap").len() / 2);
@@ -146,8 +146,10 @@ fn a_lossy_encoding_is_smaller_and_says_its_bound() {
 fn an_edited_field_stays_packed_as_it_was() {
     let room = Room::new();
     let pack = "--encoding fixed --max-error 0.01";
-    room.run(&format!("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 50 {pack}"))
-        .ended(0);
+    room.run(&format!(
+        "convert gusts.c3d --method paper --session session.json -o f.eff.mcap --voxel-mm 50 {pack}"
+    ))
+    .ended(0);
     room.run("edit f.eff.mcap --groom bob.json --edits lift.toml -o e.eff.mcap").ended(0);
     room.run("validate e.eff.mcap").ended(0);
     let fields = ["f", "e"].map(|name| {
@@ -166,7 +168,7 @@ fn an_edited_field_stays_packed_as_it_was() {
 #[test]
 fn a_field_goes_out_and_in_as_openvdb() {
     let room = Room::new();
-    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 50").ended(0);
+    room.run("convert gusts.c3d --method paper --session session.json -o f.eff.mcap --voxel-mm 50").ended(0);
     room.run("export f.eff.mcap -o f.vdb").ended(0);
     room.run("import f.vdb --session session.json -o g.eff.mcap").ended(0);
     let [out, back] = ["f", "g"].map(|name| {
@@ -189,7 +191,7 @@ fn a_field_goes_out_and_in_as_openvdb() {
 #[test]
 fn imported_wind_takes_the_heads_poses() {
     let room = Room::new();
-    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 50").ended(0);
+    room.run("convert gusts.c3d --method paper --session session.json -o f.eff.mcap --voxel-mm 50").ended(0);
     room.run("export f.eff.mcap -o f.npz").ended(0);
     let bytes = room.read("f.eff.mcap");
     let mut eff = tousle_eff::read(&bytes[..], &tousle_eff::ReadOptions::default()).unwrap();
@@ -212,7 +214,7 @@ fn imported_wind_takes_the_heads_poses() {
 #[test]
 fn previews_are_there_if_they_are_wanted() {
     let room = Room::new();
-    let convert = "convert gusts.c3d --session session.json --voxel-mm 50";
+    let convert = "convert gusts.c3d --method paper --session session.json --voxel-mm 50";
     room.run(&format!("{convert} -o plain.eff.mcap")).ended(0);
     room.run(&format!("{convert} -o shown.eff.mcap --preview")).ended(0);
     let validation = room.run("validate shown.eff.mcap --json").ended(0);

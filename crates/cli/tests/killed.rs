@@ -14,7 +14,7 @@ const N_MOMENTS: u32 = 100;
 #[test]
 fn a_killed_writer_leaves_the_old_file_or_the_new_one() {
     let room = Room::new();
-    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 40").ended(0);
+    room.run("convert gusts.c3d --method paper --session session.json -o f.eff.mcap --voxel-mm 40").ended(0);
     room.run("migrate f.eff.mcap -o new.eff.mcap").ended(0);
     let new = room.read("new.eff.mcap");
     let old = b"what was here before".to_vec();

@@ -18,7 +18,9 @@ fn room() -> Room {
         *locks = kept;
         session["name"] = name.into();
         room.write(&format!("{name}.json"), session.to_string());
-        let line = format!("convert gusts.c3d --session {name}.json -o {name}.eff.mcap --voxel-mm 50");
+        let line = format!(
+            "convert gusts.c3d --method paper --session {name}.json -o {name}.eff.mcap --voxel-mm 50"
+        );
         room.run(&line).ended(0);
     }
     room
@@ -64,7 +66,9 @@ fn the_packing_and_the_clock() {
     let room = room();
     let pack = "--encoding fixed --max-error 0.01";
     for name in ["even", "odd"] {
-        let line = format!("convert gusts.c3d --session {name}.json -o {name}.eff.mcap --voxel-mm 50 {pack}");
+        let line = format!(
+            "convert gusts.c3d --method paper --session {name}.json -o {name}.eff.mcap --voxel-mm 50 {pack}"
+        );
         room.run(&line).ended(0);
     }
     room.run("merge even.eff.mcap odd.eff.mcap -o late.eff.mcap --offset-secs 0,0.515 --span common")
@@ -89,7 +93,7 @@ fn what_does_not_belong_together_is_named() {
     let mut session: Value = serde_json::from_slice(&room.read("odd.json")).unwrap();
     session["colliders"]["head_ellipsoid_half_axes_mm"] = serde_json::json!([95, 75, 130]);
     room.write("tall.json", session.to_string());
-    room.run("convert gusts.c3d --session tall.json -o tall.eff.mcap --voxel-mm 50").ended(0);
+    room.run("convert gusts.c3d --method paper --session tall.json -o tall.eff.mcap --voxel-mm 50").ended(0);
     room.run("merge even.eff.mcap tall.eff.mcap -o a.eff.mcap").ended(1).says(&[
         "collider",
         "tall.eff.mcap",

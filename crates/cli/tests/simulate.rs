@@ -8,7 +8,7 @@ use common::Room;
 
 fn room_with_a_field() -> Room {
     let room = Room::new();
-    room.run("convert gusts.c3d --session session.json -o f.eff.mcap --voxel-mm 100").ended(0);
+    room.run("convert gusts.c3d --method paper --session session.json -o f.eff.mcap --voxel-mm 100").ended(0);
     room
 }
 

@@ -7,6 +7,7 @@ use tousle_edit::{
     Target, apply, measure,
 };
 use tousle_field::{FieldSequence, Scene};
+use tousle_fit::{FitMethod, FitOptions, PaperOptions};
 use tousle_pipeline::{ConvertOptions, Input, Silent, convert};
 use tousle_sim::{Method, SimOptions, simulate};
 
@@ -30,8 +31,11 @@ impl Shot {
     fn new(folder: &Path, name: &str) -> Self {
         let read = |file: &str| std::fs::read(folder.join(file)).expect("a file of the capture");
         let (csv, session) = (read(&format!("{name}.csv")), read("session.json"));
+        let method = FitMethod::Paper(PaperOptions::default());
+        let fit = FitOptions { method, ..FitOptions::default() };
+        let options = ConvertOptions { fit, ..ConvertOptions::default() };
         let [csv, session] = [Input { name: "csv", bytes: &csv }, Input { name: "session", bytes: &session }];
-        let converted = convert(csv, session, &ConvertOptions::default(), &Silent).expect("a field");
+        let converted = convert(csv, session, &options, &Silent).expect("a field");
         let groom = tousle_groom::read_groom(&read("style_b.json"), &tousle_groom::GroomOptions::default());
         let groom = groom.expect("style B is a groom").groom;
         let (field, scene) = (converted.eff.field, converted.eff.scene);

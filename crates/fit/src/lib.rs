@@ -40,7 +40,7 @@ pub struct FitOptions {
 
 impl Default for FitOptions {
     fn default() -> Self {
-        Self { method: FitMethod::Paper(PaperOptions::default()), rate_hz: 30.0, up_axis: None }
+        Self { method: FitMethod::Physical(PhysicalOptions::default()), rate_hz: 30.0, up_axis: None }
     }
 }
 

@@ -7,6 +7,7 @@ use std::path::Path;
 use tousle_bench::measure::{self, Setting};
 use tousle_bench::paper::{self, PaperBenchOptions};
 use tousle_bench::sim::{self, Part, Sample, SimBenchOptions};
+use tousle_fit::{FitMethod, PaperOptions};
 use tousle_pipeline::Watch;
 
 /// `tousle bench …`
@@ -21,7 +22,8 @@ pub fn run(command: &BenchCommand, watch: &dyn Watch) -> anyhow::Result<Outcome>
 
 fn sim(args: &BenchSimArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let parts = if args.parts.is_empty() { Part::ALL.to_vec() } else { args.parts.clone() };
-    let (converted, groom) = (demo::converted(watch)?, demo::groom()?);
+    let method = FitMethod::Paper(PaperOptions::default());
+    let (converted, groom) = (demo::converted(method, watch)?, demo::groom()?);
     let eff = &converted.eff;
     let sample =
         Sample { name: "the demo's hair in its wind", field: &eff.field, scene: &eff.scene, groom: &groom };

@@ -8,6 +8,7 @@ use std::time::Instant;
 use tousle_core::{Groom, StrandMotion};
 use tousle_edit::{EditEffects, EditOptions};
 use tousle_eff::{Eff, WriteOptions};
+use tousle_fit::{FitMethod, FitOptions};
 use tousle_groom::GroomOptions;
 use tousle_page::{Compared, DemoPage, Figure, FileEntry, HairView, StageLine};
 use tousle_pipeline::{ConvertOptions, Converted, Input, Watch, write_whole};
@@ -39,11 +40,17 @@ pub fn run(args: &DemoArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// The embedded capture, converted.
-pub(super) fn converted(watch: &dyn Watch) -> anyhow::Result<Converted> {
+/// The embedded capture, converted by a method.
+pub(super) fn converted(method: FitMethod, watch: &dyn Watch) -> anyhow::Result<Converted> {
     let capture = Input { name: "gusts.c3d", bytes: CAPTURE };
     let session = Input { name: "session.json", bytes: SESSION };
-    Ok(tousle_pipeline::convert(capture, session, &ConvertOptions::default(), watch)?)
+    let fit = FitOptions { method, ..FitOptions::default() };
+    Ok(tousle_pipeline::convert(
+        capture,
+        session,
+        &ConvertOptions { fit, ..ConvertOptions::default() },
+        watch,
+    )?)
 }
 
 /// The embedded hairstyle.
@@ -101,7 +108,7 @@ impl Log {
 fn convert(folder: &Folder<'_>, log: &mut Log, watch: &dyn Watch) -> anyhow::Result<Converted> {
     let command = "tousle convert gusts.c3d --session session.json -o gusts.eff.mcap";
     let converted = log.stage("convert", command, || {
-        let converted = converted(watch)?;
+        let converted = converted(FitOptions::default().method, watch)?;
         let report = &converted.report;
         let text = format!(
             "{} frames of {} trajectories became {} time steps of wind from {} samples",
@@ -213,10 +220,11 @@ fn page(
     effects: &EditEffects,
 ) -> anyhow::Result<()> {
     let intro = [
-        "27 locks with markers were blown about by a fan. Their motion told the wind force around the head; \
+        "27 locks with markers were blown about by a fan. Their motion told how the air moved around the head; \
          that wind now blows a hairstyle that was never captured."
             .to_owned(),
-        "Everything here was made by the method of Kazama, Sugisaki and Morishima (2008).".to_owned(),
+        "The road is that of Kazama, Sugisaki and Morishima (2008); wind and hair are by our method, physical."
+            .to_owned(),
     ];
     let compared = Compared { name: "with the edit", motion: edited };
     let hair = [HairView {
@@ -228,7 +236,7 @@ fn page(
     }];
     let notes = [
         "The capture is computed, not filmed: fixtures/demo/README.md says how.".to_owned(),
-        "Method paper takes hair for free particles; its field is a force on this wig, not yet the air's motion.".to_owned(),
+        "The edit is the paper's E4: a pull towards the key that is not solved to meet it.".to_owned(),
     ];
     let page = DemoPage {
         title: "Hair in the wind, measured once, worn by any hairstyle",
@@ -291,8 +299,7 @@ fn figures(converted: &Converted, simulated: &Simulation, effects: &EditEffects)
         ),
     ];
     if let Some(residual) = effects.edits.first().and_then(|e| e.residual_mm) {
-        let note =
-            format!("{:.0} mm off before the edit; method paper does not solve for the key", residual.before);
+        let note = format!("{:.0} mm off before the edit; E4 does not solve for the key", residual.before);
         figures.push(figure("edited strand off its key", format!("{:.0}", residual.after), "mm", note));
     }
     figures
