@@ -64,7 +64,7 @@ fn warnings(problem: &Problem<'_>) -> Vec<String> {
     let mut warnings = Vec::new();
     if problem.still.is_none() {
         warnings.push(
-            "no still frames lie in the capture: the locks' shape without wind is unknown, bending is left out".into(),
+            "no still frames lie in the capture: the locks' shape without wind is unknown, their bending counts little".into(),
         );
     }
     if problem.session.fans.is_empty() {
