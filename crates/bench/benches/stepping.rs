@@ -12,7 +12,7 @@ use divan::{Bencher, black_box};
 use rayon::prelude::*;
 use std::sync::LazyLock;
 use tousle_bench::worlds::{gusts, mannequin, wig};
-use tousle_core::{Body, NoProgress, Vec3};
+use tousle_core::{Body, NoProgress};
 use tousle_field::{FieldSequence, Sampler, Scene};
 use tousle_sim::{Method, Precision, SimOptions, TimeMode, simulate};
 
@@ -118,14 +118,14 @@ fn only_sampling(bencher: Bencher<'_, '_>, run: Run) {
         .iter()
         .flat_map(|s| s.rest_curve_m.windows(2).map(|p| ((p[0] + p[1]) / 2.0).map(|c| c as f32).into()))
         .collect();
+    let mut vectors = vec![[0.0; 3]; points.len()];
     run.measure(bencher, run.steps, || {
         for step in 0..run.steps {
             let moment = sampler.at(f64::from(step) / RATE_HZ % WIND.end_secs(), run.strands > 120);
-            let sum = points.par_chunks(1024).map(|points| {
-                let sampled = points.iter().map(|p| Vec3::from(moment.sample(*p).map(f64::from)));
-                sampled.fold(Vec3::zeros(), |sum, u| sum + u)
+            points.par_chunks(1024).zip(vectors.par_chunks_mut(1024)).for_each(|(points, vectors)| {
+                moment.sample_all(points, vectors);
             });
-            black_box(sum.reduce(Vec3::zeros, |a, b| a + b));
+            black_box(&mut vectors);
         }
     });
 }
