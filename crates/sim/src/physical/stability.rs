@@ -32,8 +32,12 @@ pub(crate) fn limit<L: Lane>(
         let lightest =
             batch.links.iter().map(|l| l.mass.get(lane)).filter(|m| *m > 0.0).fold(f64::INFINITY, f64::min);
         let bending = stiffest.get(lane);
-        // A stick under a pull is a pendulum; a contact a spring made for the mean point.
-        let swing = pull / shortest * batch.links.len() as f64;
+        // A stick under a pull is a pendulum. Folded hair that falls through its whole length cracks like a whip: its
+        // shortest stick then swings round with the speed of that fall.
+        let reach: f64 = batch.links.iter().map(|l| l.length.get(lane)).sum();
+        let whip = pull * (1.0 + 2.0 * reach / shortest);
+        let swing = whip / shortest * batch.links.len() as f64;
+        // A contact is a spring made for the mean point.
         let touch =
             if batch.touchable.is_empty() { 0.0 } else { batch.contact_stiffness.get(lane) / lightest };
         let frequency = (bending * bending + swing + touch).sqrt();
