@@ -90,13 +90,10 @@ impl<'a> Sampler<'a> {
     /// If the sequence has no step.
     pub fn at(&'a self, time_secs: f64, together: bool) -> Moment<'a> {
         let slice = self.sequence.at(time_secs);
-        let (before, after, share) = slice.steps();
+        let (around, share) = slice.around();
+        let [before, after] = around.map(|step| &self.sequence.steps[step]);
         let layers = self.sequence.layers.iter().map(|layer| (layer, layer.presence(time_secs)));
         let layers: Vec<_> = layers.filter(|(_, presence)| *presence > 0.0).collect();
-        let still_step = |step: &Field| {
-            let place = self.sequence.steps.iter().position(|s| core::ptr::eq(s, step));
-            place.is_some_and(|place| self.is_still[place])
-        };
         let source = if together {
             Source::Together(self.lay_together(before, after, share as f32))
         } else {
@@ -106,7 +103,7 @@ impl<'a> Sampler<'a> {
             sampler: self,
             source,
             outside: slice.outside().map(|c| c as f32).into(),
-            is_still: layers.is_empty() && still_step(before) && still_step(after),
+            is_still: layers.is_empty() && around.iter().all(|step| self.is_still[*step]),
             layers,
         }
     }

@@ -180,8 +180,8 @@ impl Stencil {
 #[derive(Clone, Copy, Debug)]
 pub struct FieldSlice<'a> {
     sequence: &'a FieldSequence,
-    before: &'a Field,
-    after: &'a Field,
+    /// Indices of the steps.
+    around: [usize; 2],
     share: f64,
     time_secs: f64,
 }
@@ -206,13 +206,7 @@ impl FieldSequence {
         let place = ((time_secs - self.start_secs) * self.rate_hz).clamp(0.0, last as f64);
         let before = place as usize;
         let after = (before + 1).min(last);
-        FieldSlice {
-            sequence: self,
-            before: &self.steps[before],
-            after: &self.steps[after],
-            share: place - before as f64,
-            time_secs,
-        }
+        FieldSlice { sequence: self, around: [before, after], share: place - before as f64, time_secs }
     }
 
     /// The steps with every layer that is not muted added at voxel centers, for tools that know no layers.
@@ -277,9 +271,13 @@ impl FieldSequence {
 }
 
 impl<'a> FieldSlice<'a> {
-    /// The steps around the time, and the share of the second.
-    pub(crate) fn steps(&self) -> (&'a Field, &'a Field, f64) {
-        (self.before, self.after, self.share)
+    /// The indices of the steps around the time, and the share of the second.
+    pub(crate) fn around(&self) -> ([usize; 2], f64) {
+        (self.around, self.share)
+    }
+
+    fn steps(&self) -> [&'a Field; 2] {
+        self.around.map(|step| &self.sequence.steps[step])
     }
 
     /// The vector at a point, head space, m, layers included.
@@ -290,8 +288,8 @@ impl<'a> FieldSlice<'a> {
         let mut vector = Vec3::zeros();
         if far < 1.0 {
             let stencil = Stencil::at(grid, point_m);
-            let before = self.before.gather(&stencil);
-            vector = before + (self.after.gather(&stencil) - before) * self.share;
+            let [before, after] = self.steps().map(|step| step.gather(&stencil));
+            vector = before + (after - before) * self.share;
         }
         if far > 0.0 {
             vector += (self.outside() - vector) * far;
@@ -307,7 +305,8 @@ impl<'a> FieldSlice<'a> {
 
     /// The wind outside the grid.
     pub fn outside(&self) -> Vec3 {
-        self.before.outside * (1.0 - self.share) + self.after.outside * self.share
+        let [before, after] = self.steps();
+        before.outside * (1.0 - self.share) + after.outside * self.share
     }
 }
 
