@@ -169,7 +169,7 @@ fn first_change_secs(before: &StrandMotion, after: &StrandMotion) -> Option<f64>
 fn clearance_m(motion: &StrandMotion, strand: usize, layers: &[FieldLayer]) -> f64 {
     let mut least = f64::INFINITY;
     for layer in layers {
-        let Some((low, high)) = bounds(layer) else { continue };
+        let Some((low, high)) = layer.corners_m() else { continue };
         for (k, _) in motion.times_secs.iter().enumerate().filter(|(_, t)| layer.presence(**t) > 0.0) {
             for point in motion.strand(k, strand).iter().map(single) {
                 let outside_box = (point - point.sup(&low).inf(&high)).norm();
@@ -183,15 +183,6 @@ fn clearance_m(motion: &StrandMotion, strand: usize, layers: &[FieldLayer]) -> f
         }
     }
     least
-}
-
-/// The box that holds every handle's reach; `None` of a layer without handles.
-fn bounds(layer: &FieldLayer) -> Option<(Vec3, Vec3)> {
-    let boxes = layer.handles.iter().map(|h| {
-        let reach = Vec3::repeat(h.reach_m);
-        (h.center_m - reach, h.center_m + reach)
-    });
-    boxes.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
 }
 
 fn moved(before: &StrandMotion, after: &StrandMotion, groom: &Groom, strand: usize) -> Moved {

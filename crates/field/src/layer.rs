@@ -75,6 +75,15 @@ impl FieldLayer {
         self.ease.presence((time_secs - self.first_secs) / span)
     }
 
+    /// Opposite corners of the box that holds every handle's reach, head space, m; `None` of a layer without handles.
+    pub fn corners_m(&self) -> Option<(Vec3, Vec3)> {
+        let boxes = self.handles.iter().map(|h| {
+            let reach = Vec3::repeat(h.reach_m);
+            (h.center_m - reach, h.center_m + reach)
+        });
+        boxes.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
+    }
+
     /// What the layer adds at a point, head space, m, when it is fully there. Times [`FieldLayer::presence`].
     ///
     /// The weighted mean of the handles' vectors where their weights add up to more than 1, their weighted sum

@@ -1,4 +1,5 @@
 use crate::{Field, FieldLayer, FieldSequence, GridSpec};
+use std::sync::Arc;
 use tousle_core::Vec3;
 
 /// A field ready to be asked by very many points, in single precision.
@@ -9,9 +10,12 @@ use tousle_core::Vec3;
 pub struct Sampler<'a> {
     sequence: &'a FieldSequence,
     /// 1 for each voxel with air, 0 for one without; `None` if all have some.
-    air: Option<Vec<f32>>,
+    air: Option<Arc<[f32]>>,
     /// Whether a step is still, outside the grid too.
-    is_still: Vec<bool>,
+    is_still: Arc<[bool]>,
+    layers: Vec<Placed<'a>>,
+    /// How many variants' points are asked for in turn; 1 if there are none.
+    turns: usize,
     origin: [f32; 3],
     per_edge: f32,
     /// Half the box's shortest side, m.
@@ -26,7 +30,31 @@ pub struct Moment<'a> {
     outside: [f32; 3],
     is_still: bool,
     /// The layers that are there, and how much of each.
-    layers: Vec<(&'a FieldLayer, f64)>,
+    layers: Vec<(&'a Placed<'a>, f64)>,
+}
+
+/// A layer, and where it is.
+#[derive(Clone, Debug)]
+struct Placed<'a> {
+    layer: &'a FieldLayer,
+    /// Opposite corners of a box that holds all it does, head space, m.
+    corners_m: (Vec3, Vec3),
+    /// Of variants: whose it is. `None`: everybody's.
+    turn: Option<usize>,
+}
+
+impl<'a> Placed<'a> {
+    /// A layer that may do something; `None` if it never does.
+    fn new(layer: &'a FieldLayer, turn: Option<usize>) -> Option<Self> {
+        let corners_m = layer.corners_m().filter(|_| !layer.muted)?;
+        Some(Self { layer, corners_m, turn })
+    }
+
+    /// Whether it may do something at the point that is asked for as the `k`-th.
+    fn acts_at(&self, point_m: Vec3, k: usize, turns: usize) -> bool {
+        let (low, high) = &self.corners_m;
+        self.turn.is_none_or(|turn| k % turns == turn) && *low <= point_m && point_m <= *high
+    }
 }
 
 /// Where a moment's vectors are.
@@ -75,10 +103,28 @@ impl<'a> Sampler<'a> {
             sequence,
             is_still: sequence.steps.iter().map(is_still).collect(),
             air: any_without.then(|| has_air.iter().map(|air| f32::from(u8::from(*air))).collect()),
+            layers: sequence.layers.iter().filter_map(|layer| Placed::new(layer, None)).collect(),
+            turns: 1,
             origin: grid.origin_m.map(|c| c as f32).into(),
             per_edge: (1.0 / grid.edge_m) as f32,
             fades_over: (0.5 * shortest) as f32,
         }
+    }
+
+    /// The same steps under other layers than the sequence's own.
+    pub fn with_layers(&self, layers: &'a [FieldLayer]) -> Self {
+        self.with_variants(layers, &[])
+    }
+
+    /// The same steps under other layers, for variants that are asked for in turn: of the points given to
+    /// [`Moment::sample_all`], every n-th belongs to the same of n variants and sees its layers beside the common ones.
+    pub fn with_variants(&self, layers: &'a [FieldLayer], variants: &[&'a [FieldLayer]]) -> Self {
+        let common = layers.iter().filter_map(|layer| Placed::new(layer, None));
+        let own = variants
+            .iter()
+            .enumerate()
+            .flat_map(|(turn, layers)| layers.iter().filter_map(move |layer| Placed::new(layer, Some(turn))));
+        Self { layers: common.chain(own).collect(), turns: variants.len().max(1), ..self.clone() }
     }
 
     /// The field at a time, s; before the first step the first holds, after the last the last.
@@ -92,7 +138,7 @@ impl<'a> Sampler<'a> {
         let slice = self.sequence.at(time_secs);
         let (around, share) = slice.around();
         let [before, after] = around.map(|step| &self.sequence.steps[step]);
-        let layers = self.sequence.layers.iter().map(|layer| (layer, layer.presence(time_secs)));
+        let layers = self.layers.iter().map(|placed| (placed, placed.layer.presence(time_secs)));
         let layers: Vec<_> = layers.filter(|(_, presence)| *presence > 0.0).collect();
         let source = if together {
             Source::Together(self.lay_together(before, after, share as f32))
@@ -230,9 +276,11 @@ impl Moment<'_> {
 
     #[inline(never)]
     fn add_layers(&self, points_m: &[[f32; 3]], vectors: &mut [[f32; 3]]) {
-        for (point_m, vector) in points_m.iter().zip(vectors) {
+        for (k, (point_m, vector)) in points_m.iter().zip(vectors).enumerate() {
             let point_m = Vec3::from(point_m.map(f64::from));
-            let extra: Vec3 = self.layers.iter().map(|(layer, share)| layer.extra_at(point_m) * *share).sum();
+            let acting =
+                self.layers.iter().filter(|(placed, _)| placed.acts_at(point_m, k, self.sampler.turns));
+            let extra: Vec3 = acting.map(|(placed, share)| placed.layer.extra_at(point_m) * *share).sum();
             for axis in 0..3 {
                 vector[axis] += extra[axis] as f32;
             }
@@ -327,6 +375,36 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Two variants and a common layer: each point sees the common one, every second the first variant's.
+    #[test]
+    fn variants_are_seen_in_turn() {
+        let grid = GridSpec::cube(0.6, 0.1).unwrap();
+        let still = FieldSequence { steps: vec![Field::still(&grid)], ..sequence(grid, |_| false) };
+        let layer = |extra: Vec3| FieldLayer {
+            id: "1".into(),
+            name: "1".into(),
+            muted: false,
+            first_secs: 0.0,
+            last_secs: 2.0,
+            ease: crate::Ease { rise: 0.0, fall: 0.0 },
+            handles: vec![crate::Handle { center_m: Vec3::zeros(), reach_m: 0.1, extra }],
+            origin: crate::LayerOrigin::Drag {
+                strand: "A".into(),
+                control_point: 1,
+                target_m: Vec3::zeros(),
+                method: "paper".into(),
+            },
+        };
+        let (common, first, second) = ([layer(Vec3::z())], [layer(Vec3::x())], [layer(Vec3::y())]);
+        let sampler = Sampler::new(&still, |_| false);
+        let variants = sampler.with_variants(&common, &[&first, &second]);
+        let mut found = [[0.0; 3]; 4];
+        let points = [[0.0; 3], [0.0; 3], [0.0; 3], [0.2, 0.0, 0.0]];
+        variants.at(1.0, false).sample_all(&points, &mut found);
+        assert_eq!(found, [[1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [0.0; 3]]);
+        assert_eq!(sampler.with_layers(&common).at(1.0, false).sample([0.0; 3]), [0.0, 0.0, 1.0]);
     }
 
     /// Right outside a head that holds no air the wind is that of the nearest air, not a mixture with nothing.

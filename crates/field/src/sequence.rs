@@ -180,6 +180,7 @@ impl Stencil {
 #[derive(Clone, Copy, Debug)]
 pub struct FieldSlice<'a> {
     sequence: &'a FieldSequence,
+    layers: &'a [FieldLayer],
     /// Indices of the steps.
     around: [usize; 2],
     share: f64,
@@ -206,7 +207,8 @@ impl FieldSequence {
         let place = ((time_secs - self.start_secs) * self.rate_hz).clamp(0.0, last as f64);
         let before = place as usize;
         let after = (before + 1).min(last);
-        FieldSlice { sequence: self, around: [before, after], share: place - before as f64, time_secs }
+        let (around, share) = ([before, after], place - before as f64);
+        FieldSlice { sequence: self, layers: &self.layers, around, share, time_secs }
     }
 
     /// The steps with every layer that is not muted added at voxel centers, for tools that know no layers.
@@ -271,6 +273,11 @@ impl FieldSequence {
 }
 
 impl<'a> FieldSlice<'a> {
+    /// The same steps under other layers than the sequence's own.
+    pub fn with_layers(self, layers: &'a [FieldLayer]) -> Self {
+        Self { layers, ..self }
+    }
+
     /// The indices of the steps around the time, and the share of the second.
     pub(crate) fn around(&self) -> ([usize; 2], f64) {
         (self.around, self.share)
@@ -294,7 +301,7 @@ impl<'a> FieldSlice<'a> {
         if far > 0.0 {
             vector += (self.outside() - vector) * far;
         }
-        for layer in &self.sequence.layers {
+        for layer in self.layers {
             let presence = layer.presence(self.time_secs);
             if presence > 0.0 {
                 vector += layer.extra_at(point_m) * presence;

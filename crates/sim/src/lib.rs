@@ -1,5 +1,7 @@
 //! A field, its scene and a groom give the motion of every strand.
 //!
+//! [`simulate`] does it once; a [`Simulator`] stays prepared for an editor that changes the field's layers.
+//!
 //! *Invariant:* this crate has never heard of markers: it sees what a field file holds and nothing else.
 
 mod assumptions;
@@ -15,6 +17,7 @@ mod parts;
 mod physical;
 mod plan;
 mod report;
+mod resident;
 mod stability;
 mod timeline;
 mod touchable;
@@ -25,6 +28,7 @@ pub use integrator::Integrator;
 pub use options::{Method, Precision, SimOptions, TimeMode, TorsoGrip};
 pub use parts::{Count, Keeper, Part};
 pub use report::{PlanEntry, SimReport, Simulation};
+pub use resident::{Held, Simulator};
 
 use timeline::Timeline;
 use tousle_core::{Groom, Progress};
@@ -80,12 +84,5 @@ pub fn simulate_kept(
     keeper: Option<&dyn Keeper>,
     progress: &dyn Progress,
 ) -> Result<Simulation, SimError> {
-    field.check()?;
-    groom.check()?;
-    check::check_scene(scene, options)?;
-    check::check_options(options)?;
-    match options.method {
-        Method::Paper => paper::run(field, scene, groom, options, keeper, progress),
-        Method::Physical => physical::run(field, scene, groom, options, keeper, progress),
-    }
+    Simulator::new(field, scene, groom, options)?.simulate_kept(&field.layers, keeper, progress)
 }

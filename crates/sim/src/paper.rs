@@ -12,7 +12,7 @@ mod contact;
 mod forces;
 mod run;
 
-pub(crate) use run::run;
+pub(crate) use run::{Prepared, Ready};
 
 use crate::Integrator;
 use crate::joint::{JointEquation, JointStep};
@@ -34,7 +34,7 @@ pub(crate) struct PaperModel {
 }
 
 /// One strand in motion.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct PaperStrand {
     lock: Lock,
     /// τ Φ0: the torque each joint holds at rest, in the axes of the stick before, N·m.
@@ -52,7 +52,7 @@ pub(crate) struct PaperStrand {
 }
 
 /// What one step writes and reads again; kept only to spare allocations.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Work {
     /// The far end of each stick, head space, m, and its velocity in head space, m/s.
     ends_m: Vec<Vec3>,

@@ -5,7 +5,7 @@
 //! further out does to a stick is a quadratic form of its near end's displacement and of its own turn, so a sweep from the tip
 //! inwards and one back solve all joints exactly, at a cost that grows with the number of sticks and no faster.
 //!
-//! [`run()`] prepares strands ([`build`]) and puts them side by side ([`batch`]); [`march`] steps them ([`implicit`],
+//! [`Ready`] prepares strands ([`build`]) and puts them side by side ([`batch`]); [`march`] steps them ([`implicit`],
 //! [`explicit`], [`adaptive`]) by the sweeps of [`newton`].
 
 mod adaptive;
@@ -22,4 +22,4 @@ mod run;
 mod scene;
 mod stability;
 
-pub(crate) use run::run;
+pub(crate) use run::{Held, Ready};

@@ -2,7 +2,7 @@ use crate::TorsoGrip;
 use crate::report::PlanEntry;
 use crate::timeline::Timeline;
 use tousle_core::{Body, Quantity};
-use tousle_field::{FieldSequence, Scene};
+use tousle_field::{FieldLayer, FieldSequence, Scene};
 
 /// Which terms of the equations a run has: decided once, before the first step.
 #[derive(Clone, Copy, Debug)]
@@ -23,16 +23,20 @@ impl Terms {
         self.air || (self.wind && self.quantity == Quantity::ForcePerMass)
     }
 
-    /// The terms that a field and a scene ask for.
+    /// The terms that a field, its layers left out, and a scene ask for.
     pub fn new(field: &FieldSequence, scene: &Scene, head_is_still: bool) -> Self {
-        let blows = field.steps.iter().any(|s| s.outside.norm() > 0.0 || s.u.iter().any(|u| *u != 0.0))
-            || field.layers.iter().any(|layer| !layer.muted && !layer.handles.is_empty());
         Self {
             quantity: field.quantity,
-            wind: blows,
+            wind: field.steps.iter().any(|s| s.outside.norm() > 0.0 || s.u.iter().any(|u| *u != 0.0)),
             air: scene.air_density > 0.0,
             head_movement: !head_is_still,
         }
+    }
+
+    /// These and what layers ask for.
+    pub fn with_layers(self, layers: &[FieldLayer]) -> Self {
+        let blows = layers.iter().any(|layer| !layer.muted && !layer.handles.is_empty());
+        Self { wind: self.wind || blows, ..self }
     }
 }
 
@@ -57,7 +61,7 @@ pub(crate) fn plan(
         ),
         collision(&scene.body, n_reaching),
         friction(&scene.body, timeline, n_reaching),
-        edits(field),
+        edits(timeline.layers()),
     ]
 }
 
@@ -135,9 +139,9 @@ fn friction(body: &Body, timeline: &Timeline<'_>, n_reaching: &[usize]) -> PlanE
     }
 }
 
-fn edits(field: &FieldSequence) -> PlanEntry {
-    let n_muted = field.layers.iter().filter(|layer| layer.muted).count();
-    let n_active = field.layers.len() - n_muted;
+fn edits(layers: &[FieldLayer]) -> PlanEntry {
+    let n_muted = layers.iter().filter(|layer| layer.muted).count();
+    let n_active = layers.len() - n_muted;
     if n_active > 0 {
         entry("edits", true, format!("{n_active} layers, {n_muted} muted"))
     } else {

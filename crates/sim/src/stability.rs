@@ -3,7 +3,7 @@
 use crate::paper::{bending_bounds, inertias};
 use crate::timeline::Timeline;
 use tousle_core::{Groom, Quantity, Vec3};
-use tousle_field::FieldSequence;
+use tousle_field::{FieldLayer, FieldSequence};
 use tousle_rod::{DragLaw, Lock};
 
 /// The longest step for a groom, and the joint that sets it.
@@ -29,7 +29,7 @@ pub(crate) fn limit(
 ) -> Option<Limit> {
     let terms = timeline.terms;
     let head = timeline.strongest_pull();
-    let strongest = if terms.wind { strongest_vector(field) } else { 0.0 };
+    let strongest = if terms.wind { strongest_vector(field, timeline.layers()) } else { 0.0 };
     let mut limit: Option<Limit> = None;
     for (strand_idx, strand) in groom.strands.iter().enumerate() {
         let lock = Lock::new(strand);
@@ -63,15 +63,12 @@ fn joint_limits(lock: &Lock, acceleration: f64, wind_per_length: f64) -> Vec<f64
     limits
 }
 
-/// The longest vector of a field, layers included.
-pub(crate) fn strongest_vector(field: &FieldSequence) -> f64 {
+/// The longest vector of a field under some layers.
+pub(crate) fn strongest_vector(field: &FieldSequence, layers: &[FieldLayer]) -> f64 {
     let step = |step: &tousle_field::Field| {
         (0..step.flags.len()).map(|voxel| step.vector(voxel).norm()).fold(step.outside.norm(), f64::max)
     };
-    let layers: f64 = field
-        .layers
-        .iter()
-        .map(|layer| layer.handles.iter().map(|h| Vec3::norm(&h.extra)).fold(0.0, f64::max))
-        .sum();
-    field.steps.iter().map(step).fold(0.0, f64::max) + layers
+    let strongest =
+        |layer: &FieldLayer| layer.handles.iter().map(|h| Vec3::norm(&h.extra)).fold(0.0, f64::max);
+    field.steps.iter().map(step).fold(0.0, f64::max) + layers.iter().map(strongest).sum::<f64>()
 }

@@ -2,13 +2,14 @@ use crate::plan::Terms;
 use crate::{SimError, SimOptions, TimeMode, TorsoGrip};
 use nalgebra::Point3;
 use tousle_core::{Attachment, HeadMotion, Pose, PoseTrack, Vec3};
-use tousle_field::{FieldSequence, FieldSlice, Scene};
+use tousle_field::{FieldLayer, FieldSequence, FieldSlice, Scene};
 use tousle_rod::Surface;
 
 /// When the frames are, into how many steps each is cut, and what the world does in each step.
 #[derive(Clone, Debug)]
 pub(crate) struct Timeline<'a> {
     field: &'a FieldSequence,
+    layers: &'a [FieldLayer],
     scene: &'a Scene,
     head: Head<'a>,
     time: TimeMode,
@@ -75,7 +76,7 @@ impl StepScene<'_> {
 }
 
 impl<'a> Timeline<'a> {
-    /// The timeline of a run over `n_points` control points, with one step a frame.
+    /// The timeline of a run over `n_points` control points, without layers and with one step a frame.
     pub fn new(
         field: &'a FieldSequence,
         scene: &'a Scene,
@@ -100,6 +101,7 @@ impl<'a> Timeline<'a> {
         let head = Head::new(scene, options);
         Ok(Self {
             field,
+            layers: &[],
             scene,
             terms: Terms::new(field, scene, head.is_still),
             head,
@@ -110,6 +112,16 @@ impl<'a> Timeline<'a> {
             n_frames: n_frames as usize,
             steps_per_frame: 1,
         })
+    }
+
+    /// The same with layers on the field.
+    pub fn with_layers(&self, layers: &'a [FieldLayer]) -> Self {
+        Self { layers, terms: self.terms.with_layers(layers), ..self.clone() }
+    }
+
+    /// The layers on the field.
+    pub fn layers(&self) -> &'a [FieldLayer] {
+        self.layers
     }
 
     /// Cuts the frames into equal steps not longer than `dt_secs`.
@@ -178,7 +190,7 @@ impl<'a> Timeline<'a> {
         let moves = self.terms.head_movement;
         StepScene {
             dt_secs,
-            wind: self.wind_secs(middle).map(|secs| self.field.at(secs)),
+            wind: self.wind_secs(middle).map(|secs| self.field.at(secs).with_layers(self.layers)),
             gravity: head.world_from_head.rotation.inverse() * self.scene.gravity_world,
             head: moves.then_some(head),
             surfaces: Surface::of_body(&self.scene.body, &torso),

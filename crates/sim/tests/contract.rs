@@ -3,31 +3,12 @@
 mod common;
 
 use common::{
-    assert_sound, farthest, mannequin, options, over_the_head, run, still_air, straight, track, uniform,
+    assert_sound, farthest, gusts, lift, mannequin, many, options, over_the_head, run, still_air, straight,
+    track, uniform,
 };
 use std::sync::Mutex;
 use tousle_core::{Pose, PoseTrack, Progress, Quantity, Strand, Vec3};
-use tousle_field::{Ease, FieldLayer, Handle, LayerOrigin};
 use tousle_sim::{Integrator, Method, SimError, SimOptions, TimeMode, simulate};
-
-fn gusts() -> tousle_field::FieldSequence {
-    let gust = |k: i32| Vec3::new(-2.0, 3.0 * libm::sin(0.4 * f64::from(k)), 0.5);
-    uniform(Quantity::AirVelocity, 30.0, &(0..31).map(gust).collect::<Vec<_>>())
-}
-
-fn many() -> Vec<Strand> {
-    (0..23)
-        .map(|k| {
-            let (sin, cos) = libm::sincos(0.27 * f64::from(k));
-            straight(
-                Vec3::new(0.1 * cos, 0.09 * sin, 0.03),
-                Vec3::new(0.2 * cos, 0.2 * sin, -1.0),
-                0.2,
-                5 + k as usize % 7,
-            )
-        })
-        .collect()
-}
 
 #[test]
 fn the_first_frame_is_the_rest_curve_and_the_last_is_the_fields_end() {
@@ -120,25 +101,7 @@ fn the_plan_says_what_runs_and_why_not() {
 fn an_edit_layer_acts_in_its_span() {
     let mut field = gusts();
     let plain = run(&field, &mannequin(), many(), &SimOptions::of(Method::Paper)).unwrap().motion;
-    field.layers.push(FieldLayer {
-        id: "1".into(),
-        name: "lift".into(),
-        muted: false,
-        first_secs: 0.5,
-        last_secs: 0.9,
-        ease: Ease { rise: 0.5, fall: 0.5 },
-        handles: vec![Handle {
-            center_m: Vec3::new(0.1, 0.0, -0.1),
-            reach_m: 0.3,
-            extra: Vec3::new(8.0, 0.0, 0.0),
-        }],
-        origin: LayerOrigin::Drag {
-            strand: "strand".into(),
-            control_point: 4,
-            target_m: Vec3::zeros(),
-            method: "paper".into(),
-        },
-    });
+    field.layers.push(lift(Vec3::new(8.0, 0.0, 0.0)));
     let edited = run(&field, &mannequin(), many(), &SimOptions::of(Method::Paper)).unwrap().motion;
     assert_eq!(plain.frame(30), edited.frame(30));
     let moved = (track(&plain, 5)[50] - track(&edited, 5)[50]).norm();

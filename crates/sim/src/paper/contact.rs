@@ -10,7 +10,7 @@ use tousle_rod::{Lock, Rest};
 ///
 /// A force is remembered from step to step. It acts on the joints with all others, and is then corrected by what
 /// the joints' new rates still lack: at rest nothing is lacking, and what bears a strand bears it for ever.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Contacts {
     touchable: Vec<Touchable>,
     /// One slot a touchable collider and point, collider after collider.

@@ -11,8 +11,8 @@ use crate::touchable::{Touchable, n_reaching, touchable};
 use crate::{Keeper, SimError, SimOptions, SimReport, Simulation};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
-use tousle_core::{Groom, Pose, Progress, StrandMotion};
-use tousle_field::{FieldSequence, Scene};
+use tousle_core::{Groom, NoProgress, Pose, Progress, StrandMotion};
+use tousle_field::{FieldLayer, FieldSequence, Scene};
 use tousle_rod::{DragLaw, Likely, Lock, Surface, Twist, rest_state};
 
 /// Steps that a strand runs before the next one's turn: enough to spread the cost of preparing what the world
@@ -20,57 +20,170 @@ use tousle_rod::{DragLaw, Likely, Lock, Surface, Twist, rest_state};
 const BLOCK_STEPS: usize = 32;
 
 /// A strand on its way, and how it hangs at rest.
-struct Prepared {
+#[derive(Clone, Debug)]
+pub(crate) struct Prepared {
     strand: PaperStrand,
     touchable: Vec<Touchable>,
     /// Deepest that its rest curve lies in the body, m.
     deepest_m: f64,
 }
 
-pub(crate) fn run(
-    field: &FieldSequence,
-    scene: &Scene,
-    groom: &Groom,
-    options: &SimOptions,
-    keeper: Option<&dyn Keeper>,
-    progress: &dyn Progress,
-) -> Result<Simulation, SimError> {
-    let mut timeline = Timeline::new(field, scene, options, groom.n_points())?;
-    let drag = DragLaw::in_air(scene.air_density);
-    let limit = cut_into_steps(&mut timeline, field, groom, options, &drag)?;
-    let model = PaperModel {
-        integrator: options.integrator(),
-        terms: timeline.terms,
-        drag,
-        friction: scene.body.friction,
-    };
-    let mut strands = prepare(scene, groom, &timeline);
-    let n_reaching = n_reaching(scene, strands.iter().map(|s| &s.touchable[..]));
-    let plan = plan(field, scene, &timeline, &n_reaching);
-    let assumed = assumptions(groom, &timeline, strands.iter().map(|s| s.deepest_m));
-    let order: Vec<usize> = (0..strands.len()).collect();
-    let spans = (timeline.n_frames, timeline.n_steps());
-    let moved = run_parts(groom, &order, spans, keeper, progress, |some, progress| {
-        let positions_m = move_strands(&mut strands, some, &model, &timeline, groom, progress);
-        Part { positions_m, count: Count::default() }
-    })?;
-    let times_secs = (0..timeline.n_frames).map(|frame| timeline.frame_secs(frame)).collect();
-    let motion = StrandMotion { counts: groom.counts(), times_secs, positions_m: moved.positions_m };
-    let report = SimReport {
-        integrator: options.integrator(),
-        order: options.integrator().order(),
-        limit,
-        dt_secs: timeline.dt_secs(),
-        n_steps: timeline.n_steps() as u64,
-        iterations_per_step: 1.0,
-        slept_share: 0.0,
-        unsettled_steps: 0,
-        unsettled_m: 0.0,
-        plan,
-        max_stretch: max_stretch(&motion),
-        assumed,
-    };
-    Ok(Simulation { motion, report })
+/// A run that is prepared: all that layers on the field do not change.
+#[derive(Debug)]
+pub(crate) struct Ready<'a> {
+    field: &'a FieldSequence,
+    scene: &'a Scene,
+    groom: &'a Groom,
+    options: &'a SimOptions,
+    timeline: Timeline<'a>,
+    drag: DragLaw,
+    strands: Vec<Prepared>,
+}
+
+/// What layers on the field make of it.
+struct Layered<'a> {
+    timeline: Timeline<'a>,
+    model: PaperModel,
+    /// The integrator's limit for this groom, in words.
+    limit: String,
+}
+
+impl<'a> Ready<'a> {
+    pub fn new(
+        field: &'a FieldSequence,
+        scene: &'a Scene,
+        groom: &'a Groom,
+        options: &'a SimOptions,
+    ) -> Result<Self, SimError> {
+        let timeline = Timeline::new(field, scene, options, groom.n_points())?;
+        let strands = prepare(scene, groom, &timeline);
+        let drag = DragLaw::in_air(scene.air_density);
+        Ok(Self { field, scene, groom, options, timeline, drag, strands })
+    }
+
+    pub fn run(
+        &self,
+        layers: &[FieldLayer],
+        keeper: Option<&dyn Keeper>,
+        progress: &dyn Progress,
+    ) -> Result<Simulation, SimError> {
+        let layered = self.layered(layers)?;
+        let timeline = &layered.timeline;
+        let order: Vec<usize> = (0..self.strands.len()).collect();
+        let spans = (timeline.n_frames, timeline.n_steps());
+        let moved = run_parts(self.groom, &order, spans, keeper, progress, |some, progress| Part {
+            positions_m: self.move_strands(&layered, some, progress),
+            count: Count::default(),
+        })?;
+        let (counts, times_secs) = (self.groom.counts(), self.times_secs());
+        let motion = StrandMotion { counts, times_secs, positions_m: moved.positions_m };
+        let report = self.report(&layered, &motion);
+        Ok(Simulation { motion, report })
+    }
+
+    /// Time of every frame, s.
+    pub fn times_secs(&self) -> Vec<f64> {
+        (0..self.timeline.n_frames).map(|frame| self.timeline.frame_secs(frame)).collect()
+    }
+
+    /// Some strands, in ascending order, from the first frame to the last.
+    pub fn run_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<Vec<[f32; 3]>, SimError> {
+        Ok(self.move_strands(&self.layered(layers)?, strands, &NoProgress))
+    }
+
+    /// Some strands, in ascending order, moved to a frame.
+    pub fn hold(
+        &self,
+        layers: &[FieldLayer],
+        strands: &[usize],
+        frame: usize,
+    ) -> Result<Vec<Prepared>, SimError> {
+        let layered = self.layered(layers)?;
+        let mut held = self.at_rest(strands);
+        layered.move_to(&mut held, (0, frame), &NoProgress, |_, _, _| ());
+        Ok(held)
+    }
+
+    /// Held strands from their frame to another one, both included.
+    pub fn go_on(
+        &self,
+        held: &[Prepared],
+        layers: &[FieldLayer],
+        strands: &[usize],
+        (first, last): (usize, usize),
+    ) -> Result<Vec<[f32; 3]>, SimError> {
+        let layered = self.layered(layers)?;
+        let mut frames = Frames::new(self.groom, strands, last - first + 1);
+        let mut held = held.to_vec();
+        for (strand, s) in held.iter_mut().zip(strands) {
+            frames.put(0, &[*s], &strand.points());
+        }
+        layered.move_to(&mut held, (first, last), &NoProgress, |k, frame, points| {
+            frames.put(frame - first, &[strands[k]], points);
+        });
+        Ok(frames.positions_m)
+    }
+
+    /// One held strand under each of some variants' layers beside the common ones, as by [`Ready::go_on`].
+    pub fn variants(
+        &self,
+        held: &[Prepared],
+        layers: &[FieldLayer],
+        variants: &[&[FieldLayer]],
+        strand: usize,
+        frames: (usize, usize),
+    ) -> Result<Vec<Vec<[f32; 3]>>, SimError> {
+        let variant = |own: &&[FieldLayer]| self.go_on(held, &[layers, own].concat(), &[strand], frames);
+        variants.par_iter().map(variant).collect()
+    }
+
+    fn layered<'b>(&self, layers: &'b [FieldLayer]) -> Result<Layered<'b>, SimError>
+    where
+        'a: 'b,
+    {
+        let mut timeline: Timeline<'b> = self.timeline.with_layers(layers);
+        let limit = cut_into_steps(&mut timeline, self.field, self.groom, self.options, &self.drag)?;
+        let model = PaperModel {
+            integrator: self.options.integrator(),
+            terms: timeline.terms,
+            drag: self.drag,
+            friction: self.scene.body.friction,
+        };
+        Ok(Layered { timeline, model, limit })
+    }
+
+    fn at_rest(&self, strands: &[usize]) -> Vec<Prepared> {
+        strands.iter().map(|s| self.strands[*s].clone()).collect()
+    }
+
+    fn move_strands(&self, layered: &Layered<'_>, some: &[usize], progress: &dyn Progress) -> Vec<[f32; 3]> {
+        let n_frames = layered.timeline.n_frames;
+        let mut frames = Frames::new(self.groom, some, n_frames);
+        let mut strands = self.at_rest(some);
+        layered.move_to(&mut strands, (0, n_frames - 1), progress, |k, frame, points| {
+            frames.put(frame, &[some[k]], points);
+        });
+        frames.positions_m
+    }
+
+    fn report(&self, layered: &Layered<'_>, motion: &StrandMotion) -> SimReport {
+        let timeline = &layered.timeline;
+        let n_reaching = n_reaching(self.scene, self.strands.iter().map(|s| &s.touchable[..]));
+        SimReport {
+            integrator: self.options.integrator(),
+            order: self.options.integrator().order(),
+            limit: layered.limit.clone(),
+            dt_secs: timeline.dt_secs(),
+            n_steps: timeline.n_steps() as u64,
+            iterations_per_step: 1.0,
+            slept_share: 0.0,
+            unsettled_steps: 0,
+            unsettled_m: 0.0,
+            plan: plan(self.field, self.scene, timeline, &n_reaching),
+            max_stretch: max_stretch(motion),
+            assumed: assumptions(self.groom, timeline, self.strands.iter().map(|s| s.deepest_m)),
+        }
+    }
 }
 
 /// Chooses the step. Out: the integrator's limit for this groom, in words.
@@ -114,56 +227,60 @@ fn prepare(scene: &Scene, groom: &Groom, timeline: &Timeline<'_>) -> Vec<Prepare
     groom.strands.par_iter().map(prepare).collect()
 }
 
-/// Moves some strands, in ascending order, from the first frame to the last.
-fn move_strands(
-    strands: &mut [Prepared],
-    some: &[usize],
-    model: &PaperModel,
-    timeline: &Timeline<'_>,
-    groom: &Groom,
-    progress: &dyn Progress,
-) -> Vec<[f32; 3]> {
-    let mut frames = Frames::new(groom, some, timeline.n_frames);
-    let total = (some.len() * timeline.n_steps()) as u64;
-    let done = AtomicU64::new(0);
-    for first in (0..timeline.n_steps()).step_by(BLOCK_STEPS) {
-        let steps = first..(first + BLOCK_STEPS).min(timeline.n_steps());
-        let scenes: Vec<_> = steps.clone().map(|step| timeline.step_scene(step)).collect();
-        let blocks: Vec<(usize, Vec<Vec<[f32; 3]>>)> = strands
-            .par_iter_mut()
-            .enumerate()
-            .filter(|(s, _)| some.binary_search(s).is_ok())
-            .map(|(s, strand)| {
-                let frames = move_strand(strand, model, timeline, first, &scenes);
-                let n = steps.len() as u64;
-                progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
-                (s, frames)
-            })
-            .collect();
-        let frame = first / timeline.steps_per_frame + 1;
-        for (s, block) in blocks {
-            for (k, points) in block.into_iter().enumerate() {
-                frames.put(frame + k, &[s], &points);
+impl Layered<'_> {
+    /// Moves strands from a frame to another. `put` gets which one it is, the frame, and its points without the root.
+    fn move_to(
+        &self,
+        strands: &mut [Prepared],
+        (first, last): (usize, usize),
+        progress: &dyn Progress,
+        mut put: impl FnMut(usize, usize, &[[f32; 3]]),
+    ) {
+        let per_frame = self.timeline.steps_per_frame;
+        let (start, end) = (first * per_frame, last * per_frame);
+        let total = (strands.len() * (end - start)) as u64;
+        let done = AtomicU64::new(0);
+        for begin in (start..end).step_by(BLOCK_STEPS) {
+            let steps = begin..(begin + BLOCK_STEPS).min(end);
+            let scenes: Vec<_> = steps.clone().map(|step| self.timeline.step_scene(step)).collect();
+            let blocks: Vec<Vec<Vec<[f32; 3]>>> = strands
+                .par_iter_mut()
+                .map(|strand| {
+                    let frames = self.move_strand(strand, begin, &scenes);
+                    let n = steps.len() as u64;
+                    progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
+                    frames
+                })
+                .collect();
+            for (s, block) in blocks.into_iter().enumerate() {
+                for (k, points) in block.into_iter().enumerate() {
+                    put(s, begin / per_frame + 1 + k, &points);
+                }
             }
         }
     }
-    frames.positions_m
+
+    /// Runs a strand through some steps. Out: its points, the root left out, in every frame that these complete.
+    fn move_strand(
+        &self,
+        prepared: &mut Prepared,
+        begin: usize,
+        scenes: &[StepScene<'_>],
+    ) -> Vec<Vec<[f32; 3]>> {
+        let mut frames = Vec::new();
+        for (k, scene) in scenes.iter().enumerate() {
+            prepared.strand.step(&self.model, scene);
+            if (begin + k + 1).is_multiple_of(self.timeline.steps_per_frame) {
+                frames.push(prepared.points());
+            }
+        }
+        frames
+    }
 }
 
-/// Runs a strand through some steps. Out: its points, the root left out, in every frame that these complete.
-fn move_strand(
-    prepared: &mut Prepared,
-    model: &PaperModel,
-    timeline: &Timeline<'_>,
-    first: usize,
-    scenes: &[StepScene<'_>],
-) -> Vec<Vec<[f32; 3]>> {
-    let mut frames = Vec::new();
-    for (k, scene) in scenes.iter().enumerate() {
-        prepared.strand.step(model, scene);
-        if (first + k + 1).is_multiple_of(timeline.steps_per_frame) {
-            frames.push(prepared.strand.ends_m().iter().copied().map(single).collect());
-        }
+impl Prepared {
+    /// The points as the result holds them, the root left out.
+    fn points(&mut self) -> Vec<[f32; 3]> {
+        self.strand.ends_m().iter().copied().map(single).collect()
     }
-    frames
 }

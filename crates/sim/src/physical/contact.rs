@@ -36,7 +36,7 @@ pub(crate) struct MovingSurface {
 
 /// How the velocity of a point hangs on its place, and how hard what it touches is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Firmness<L> {
+pub(crate) struct Firmness<L> {
     /// Spring of a contact, N/m.
     pub stiffness: L,
     /// Change of velocity for a change of place, 1/s.

@@ -85,17 +85,71 @@ pub(super) fn order(prepared: &[Prepared], strands: &[usize]) -> Vec<usize> {
 }
 
 impl March<'_> {
-    /// All batches through all steps, a block of steps at a time.
+    /// All strands from the first frame to the last.
     pub fn in_step<L: Lane>(&self) -> Part {
+        let last = self.timeline.n_frames - 1;
+        let mut frames = Frames::new(self.groom, self.strands, last + 1);
+        let mut batches = self.batches::<L>();
+        self.move_batches(&mut batches, (0, last), |frame, batch, points| {
+            frames.put(frame, &batch.strands, points);
+        });
+        let count = batches.iter().fold(Count::default(), |sum, b| sum.and(b.count));
+        Part { positions_m: frames.positions_m, count }
+    }
+
+    /// All strands, moved to a frame.
+    pub fn hold<L: Lane>(&self, frame: usize) -> Vec<Batch<L>> {
+        let mut batches = self.batches::<L>();
+        self.move_batches(&mut batches, (0, frame), |_, _, _| ());
+        batches
+    }
+
+    /// The positions of all strands, held at the first of two frames, from it to the other.
+    pub fn go_on<L: Lane>(&self, mut batches: Vec<Batch<L>>, (first, last): (usize, usize)) -> Vec<[f32; 3]> {
+        let mut frames = Frames::new(self.groom, self.strands, last - first + 1);
+        batches.iter().for_each(|batch| frames.put(0, &batch.strands, &self.points(batch)));
+        self.move_batches(&mut batches, (first, last), |frame, batch, points| {
+            frames.put(frame - first, &batch.strands, points);
+        });
+        frames.positions_m
+    }
+
+    /// As [`March::go_on`], of variants of one strand: `held` has it in every lane. Each variant's positions.
+    pub fn go_on_in_turn<L: Lane>(
+        &self,
+        held: &Batch<L>,
+        n_variants: usize,
+        (first, last): (usize, usize),
+    ) -> Vec<Vec<[f32; 3]>> {
+        let root = single(held.root.get(0));
+        let mut batch = [Batch { strands: vec![held.strands[0]; n_variants], ..held.clone() }];
+        let mut moved = vec![Vec::new(); n_variants];
+        let mut put = |points: &[[f32; 3]]| {
+            for (moved, points) in moved.iter_mut().zip(points.chunks_exact(held.links.len())) {
+                moved.push(root);
+                moved.extend_from_slice(points);
+            }
+        };
+        put(&self.points(&batch[0]));
+        self.move_batches(&mut batch, (first, last), |_, _, points| put(points));
+        moved
+    }
+
+    /// Batches from a frame to another, a block of steps at a time. `put` gets the points of each batch in each frame.
+    fn move_batches<L: Lane>(
+        &self,
+        batches: &mut [Batch<L>],
+        (first, last): (usize, usize),
+        mut put: impl FnMut(usize, &Batch<L>, &[[f32; 3]]),
+    ) {
         let timeline = self.timeline;
         let together = self.groom.n_points() > TOGETHER_FROM;
         let block = if together { BLOCK_OF_MANY } else { BLOCK_OF_FEW };
-        let mut frames = Frames::new(self.groom, self.strands, timeline.n_frames);
-        let mut batches = self.batches::<L>();
+        let (start, end) = (first * timeline.steps_per_frame, last * timeline.steps_per_frame);
         let done = AtomicU64::new(0);
-        let total = (self.strands.len() * timeline.n_steps()) as u64;
-        for begin in (0..timeline.n_steps()).step_by(block) {
-            let steps = begin..(begin + block).min(timeline.n_steps());
+        let total = (self.strands.len() * (end - start)) as u64;
+        for begin in (start..end).step_by(block) {
+            let steps = begin..(begin + block).min(end);
             let worlds: Vec<World<'_>> = steps.clone().map(|step| self.world(step, together)).collect();
             let blocks: Vec<Vec<Vec<[f32; 3]>>> = batches
                 .par_iter_mut()
@@ -109,12 +163,10 @@ impl March<'_> {
             let frame = begin / timeline.steps_per_frame + 1;
             for (batch, block) in batches.iter().zip(blocks) {
                 for (k, points) in block.into_iter().enumerate() {
-                    frames.put(frame + k, &batch.strands, &points);
+                    put(frame + k, batch, &points);
                 }
             }
         }
-        let count = batches.iter().fold(Count::default(), |sum, b| sum.and(b.count));
-        Part { positions_m: frames.positions_m, count }
     }
 
     /// A batch through a block of steps. Out: its strands' points in every frame that these complete.

@@ -1,111 +1,264 @@
 //! What is prepared before the first step, and what is said after the last.
 
-use super::batch::{Batch, Model};
+use super::batch::{Batch, Count, Model};
 use super::build::{Prepared, build, contact_stiffness};
 use super::march::{March, order};
 use super::stability::{Limit, limit};
 use crate::assumptions::assumptions;
 use crate::frames::max_stretch;
-use crate::lane::{Wide1, Wide4, Wide8};
-use crate::parts::run_parts;
+use crate::lane::{Lane, Wide1, Wide4, Wide8};
+use crate::parts::{Part, run_parts};
 use crate::plan::plan;
 use crate::timeline::Timeline;
 use crate::touchable::{n_reaching, touchable};
 use crate::{Integrator, Keeper, Precision, SimError, SimOptions, SimReport, Simulation};
 use rayon::prelude::*;
-use tousle_core::{Assumption, Attachment, Groom, Pose, Progress, Quantity, Strand, StrandMotion};
-use tousle_field::{FieldSequence, Sampler, Scene};
+use tousle_core::{
+    Assumption, Attachment, Groom, NoProgress, Pose, Progress, Quantity, Strand, StrandMotion,
+};
+use tousle_field::{FieldLayer, FieldSequence, Sampler, Scene};
 use tousle_rod::{DragLaw, Likely, Lock, Support, Surface, Touch, Twist, hold_rest, rest_state};
 
-pub(crate) fn run(
-    field: &FieldSequence,
-    scene: &Scene,
-    groom: &Groom,
-    options: &SimOptions,
-    keeper: Option<&dyn Keeper>,
-    progress: &dyn Progress,
-) -> Result<Simulation, SimError> {
-    let integrator = options.integrator();
-    let mut timeline = Timeline::new(field, scene, options, groom.n_points())?;
-    let law = DragLaw::in_air(scene.air_density);
-    let locks: Vec<Lock> = groom.strands.iter().map(Lock::new).collect();
-    let touch = Touch::by_rest(&locks, &scene.body);
-    let prepared = prepare(scene, &timeline, groom, locks, touch);
-    let in_head = solids(scene);
-    let sampler = Sampler::new(field, |p| in_head.iter().any(|s| s.gap(p).distance_m < 0.0));
-    timeline.cut(options.dt_secs.unwrap_or(SimOptions::DEFAULT_DT_SECS))?;
-    let limit = explicit_limit(&timeline, field, &prepared, &law, integrator);
-    if let Some(limit) = limit {
-        timeline.cut(options.dt_secs.unwrap_or(f64::min(SimOptions::DEFAULT_DT_SECS, limit.dt_secs)))?;
-        if timeline.dt_secs() > limit.dt_secs {
-            return Err(SimError::Unstable {
-                integrator: integrator.name(),
-                dt_secs: timeline.dt_secs(),
-                limit_secs: limit.dt_secs,
-                strand: groom.strands[limit.strand_idx].name.clone(),
-                point: None,
-            });
+/// A run that is prepared: all that layers on the field do not change.
+#[derive(Debug)]
+pub(crate) struct Ready<'a> {
+    field: &'a FieldSequence,
+    scene: &'a Scene,
+    groom: &'a Groom,
+    options: &'a SimOptions,
+    timeline: Timeline<'a>,
+    sampler: Sampler<'a>,
+    law: DragLaw,
+    prepared: Vec<Prepared>,
+}
+
+/// What layers on the field make of it.
+struct Layered<'a> {
+    timeline: Timeline<'a>,
+    sampler: Sampler<'a>,
+    model: Model,
+    /// The longest step of an explicit integrator.
+    limit: Option<Limit>,
+}
+
+/// Some strands stopped at a frame, side by side.
+#[derive(Clone, Debug)]
+pub(crate) enum Held {
+    Double(Vec<Batch<Wide4>>),
+    Single(Vec<Batch<Wide8>>),
+    /// Of an integrator that moves strands one by one: nothing is kept, they run again from the start.
+    Nothing,
+}
+
+impl<'a> Ready<'a> {
+    pub fn new(
+        field: &'a FieldSequence,
+        scene: &'a Scene,
+        groom: &'a Groom,
+        options: &'a SimOptions,
+    ) -> Result<Self, SimError> {
+        let mut timeline = Timeline::new(field, scene, options, groom.n_points())?;
+        let law = DragLaw::in_air(scene.air_density);
+        let locks: Vec<Lock> = groom.strands.iter().map(Lock::new).collect();
+        let touch = Touch::by_rest(&locks, &scene.body);
+        let prepared = prepare(scene, &timeline, groom, locks, touch);
+        let in_head = solids(scene);
+        let sampler = Sampler::new(field, |p| in_head.iter().any(|s| s.gap(p).distance_m < 0.0));
+        timeline.cut(options.dt_secs.unwrap_or(SimOptions::DEFAULT_DT_SECS))?;
+        Ok(Self { field, scene, groom, options, timeline, sampler, law, prepared })
+    }
+
+    pub fn run(
+        &self,
+        layers: &[FieldLayer],
+        keeper: Option<&dyn Keeper>,
+        progress: &dyn Progress,
+    ) -> Result<Simulation, SimError> {
+        let layered = self.layered(layers)?;
+        let timeline = &layered.timeline;
+        let all: Vec<usize> = (0..self.prepared.len()).collect();
+        let spans = (timeline.n_frames, timeline.n_steps());
+        let order = order(&self.prepared, &all);
+        let moved = run_parts(self.groom, &order, spans, keeper, progress, |strands, progress| {
+            self.move_strands(&layered, strands, progress)
+        })?;
+        let (counts, times_secs) = (self.groom.counts(), self.times_secs());
+        let motion = StrandMotion { counts, times_secs, positions_m: moved.positions_m };
+        let report = self.report(&layered, &motion, &moved.count);
+        Ok(Simulation { motion, report })
+    }
+
+    /// Time of every frame, s.
+    pub fn times_secs(&self) -> Vec<f64> {
+        (0..self.timeline.n_frames).map(|frame| self.timeline.frame_secs(frame)).collect()
+    }
+
+    /// Some strands, in ascending order, from the first frame to the last.
+    pub fn run_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<Vec<[f32; 3]>, SimError> {
+        Ok(self.move_strands(&self.layered(layers)?, strands, &NoProgress).positions_m)
+    }
+
+    /// Some strands, in ascending order, moved to a frame.
+    pub fn hold(&self, layers: &[FieldLayer], strands: &[usize], frame: usize) -> Result<Held, SimError> {
+        let layered = self.layered(layers)?;
+        let march = self.march(&layered, strands, &NoProgress);
+        Ok(match (self.options.integrator().is_in_step(), self.options.precision) {
+            (true, Precision::Double) => Held::Double(march.hold(frame)),
+            (true, Precision::Single) => Held::Single(march.hold(frame)),
+            (false, _) => Held::Nothing,
+        })
+    }
+
+    /// Held strands from their frame to another one, both included.
+    pub fn go_on(
+        &self,
+        held: &Held,
+        layers: &[FieldLayer],
+        strands: &[usize],
+        frames: (usize, usize),
+    ) -> Result<Vec<[f32; 3]>, SimError> {
+        let layered = self.layered(layers)?;
+        let march = self.march(&layered, strands, &NoProgress);
+        Ok(match held {
+            Held::Double(batches) => march.go_on(batches.clone(), frames),
+            Held::Single(batches) => march.go_on(batches.clone(), frames),
+            Held::Nothing => {
+                cut(&self.move_strands(&layered, strands, &NoProgress).positions_m, frames, &layered)
+            }
+        })
+    }
+
+    /// One held strand under each of some variants' layers beside the common ones, as by [`Ready::go_on`].
+    pub fn variants(
+        &self,
+        held: &Held,
+        layers: &[FieldLayer],
+        variants: &[&[FieldLayer]],
+        strand: usize,
+        frames: (usize, usize),
+    ) -> Result<Vec<Vec<[f32; 3]>>, SimError> {
+        let n_at_once = match held {
+            Held::Double(_) => Wide4::N,
+            Held::Single(_) => Wide8::N,
+            Held::Nothing => 1,
+        };
+        let some: Vec<_> = variants
+            .par_chunks(n_at_once)
+            .map(|variants| {
+                let all = [&[layers], variants].concat().concat();
+                let layered = self.layered(&all)?;
+                // One a lane: where there are fewer variants, the last one runs again and is not read.
+                let lanes: Vec<_> = (0..n_at_once).map(|k| variants[k.min(variants.len() - 1)]).collect();
+                let sampler = self.sampler.with_variants(layers, &lanes);
+                let march = March { sampler: &sampler, ..self.march(&layered, &[], &NoProgress) };
+                Ok(match held {
+                    Held::Double(batches) => march.go_on_in_turn(&batches[0], variants.len(), frames),
+                    Held::Single(batches) => march.go_on_in_turn(&batches[0], variants.len(), frames),
+                    Held::Nothing => {
+                        let part = self.move_strands(&layered, &[strand], &NoProgress);
+                        vec![cut(&part.positions_m, frames, &layered)]
+                    }
+                })
+            })
+            .collect::<Result<_, SimError>>()?;
+        Ok(some.concat())
+    }
+
+    fn layered<'b>(&self, layers: &'b [FieldLayer]) -> Result<Layered<'b>, SimError>
+    where
+        'a: 'b,
+    {
+        let (options, integrator) = (self.options, self.options.integrator());
+        let mut timeline: Timeline<'b> = self.timeline.with_layers(layers);
+        let limit = explicit_limit(&timeline, self.field, &self.prepared, &self.law, integrator);
+        if let Some(limit) = &limit {
+            timeline.cut(options.dt_secs.unwrap_or(f64::min(SimOptions::DEFAULT_DT_SECS, limit.dt_secs)))?;
+            if timeline.dt_secs() > limit.dt_secs {
+                return Err(SimError::Unstable {
+                    integrator: integrator.name(),
+                    dt_secs: timeline.dt_secs(),
+                    limit_secs: limit.dt_secs,
+                    strand: self.groom.strands[limit.strand_idx].name.clone(),
+                    point: None,
+                });
+            }
+        }
+        let terms = timeline.terms;
+        let is_force = terms.quantity == Quantity::ForcePerMass;
+        let model = Model {
+            along: core::f64::consts::PI * DragLaw::ALONG,
+            air: terms.air,
+            pushes: terms.wind && is_force && !terms.air,
+            force_law: (is_force && terms.air).then_some(self.law),
+            friction: self.scene.body.friction,
+            resolution_m: if options.precision == Precision::Single { 5e-7 } else { 0.0 },
+        };
+        Ok(Layered { timeline, sampler: self.sampler.with_layers(layers), model, limit })
+    }
+
+    fn march<'b>(
+        &'b self,
+        layered: &'b Layered<'b>,
+        strands: &'b [usize],
+        progress: &'b dyn Progress,
+    ) -> March<'b> {
+        March {
+            timeline: &layered.timeline,
+            sampler: &layered.sampler,
+            model: layered.model,
+            integrator: self.options.integrator(),
+            tolerance_m: self.options.tolerance_m,
+            groom: self.groom,
+            strands,
+            prepared: &self.prepared,
+            law: self.law,
+            progress,
         }
     }
-    let is_force = timeline.terms.quantity == Quantity::ForcePerMass;
-    let model = Model {
-        along: core::f64::consts::PI * DragLaw::ALONG,
-        air: timeline.terms.air,
-        pushes: timeline.terms.wind && is_force && !timeline.terms.air,
-        force_law: (is_force && timeline.terms.air).then_some(law),
-        friction: scene.body.friction,
-        resolution_m: if options.precision == Precision::Single { 5e-7 } else { 0.0 },
-    };
-    let all: Vec<usize> = (0..prepared.len()).collect();
-    let spans = (timeline.n_frames, timeline.n_steps());
-    let order = order(&prepared, &all);
-    let moved = run_parts(groom, &order, spans, keeper, progress, |strands, progress| {
-        let march = March {
-            timeline: &timeline,
-            sampler: &sampler,
-            model,
-            integrator,
-            tolerance_m: options.tolerance_m,
-            groom,
-            strands,
-            prepared: &prepared,
-            law,
-            progress,
-        };
-        match (integrator, options.precision) {
+
+    fn move_strands(&self, layered: &Layered<'_>, strands: &[usize], progress: &dyn Progress) -> Part {
+        let march = self.march(layered, strands, progress);
+        match (self.options.integrator(), self.options.precision) {
             (Integrator::Adaptive, _) => march.adaptive(),
             (Integrator::SemiImplicit | Integrator::Rk4, _) => march.explicit(),
             (_, Precision::Double) => march.in_step::<Wide4>(),
             (_, Precision::Single) => march.in_step::<Wide8>(),
         }
-    })?;
-    let n_reaching = n_reaching(scene, prepared.iter().map(|p| &p.reaches[..]));
-    let times_secs = (0..timeline.n_frames).map(|frame| timeline.frame_secs(frame)).collect();
-    let motion = StrandMotion { counts: groom.counts(), times_secs, positions_m: moved.positions_m };
-    let limit_words = match limit {
-        Some(limit) => {
-            format!("{:.3e} s, set by strand {}", limit.dt_secs, groom.strands[limit.strand_idx].name)
+    }
+
+    fn report(&self, layered: &Layered<'_>, motion: &StrandMotion, count: &Count) -> SimReport {
+        let Layered { timeline, limit, .. } = layered;
+        let limit = match limit {
+            Some(Limit { dt_secs, strand_idx }) => {
+                format!("{dt_secs:.3e} s, set by strand {}", self.groom.strands[*strand_idx].name)
+            }
+            None => "none: no step is too long or too stiff".to_owned(),
+        };
+        let mut assumed = assumptions(self.groom, timeline, self.prepared.iter().map(Prepared::deepest_m));
+        assumed.extend(held_styles(&self.prepared));
+        let n_reaching = n_reaching(self.scene, self.prepared.iter().map(|p| &p.reaches[..]));
+        let integrator = self.options.integrator();
+        SimReport {
+            integrator,
+            order: integrator.order(),
+            limit,
+            dt_secs: timeline.dt_secs(),
+            n_steps: count.steps,
+            iterations_per_step: count.iterations as f64 / (count.steps - count.slept).max(1) as f64,
+            slept_share: count.slept as f64 / count.steps.max(1) as f64,
+            unsettled_steps: count.unsettled,
+            unsettled_m: count.unsettled_m,
+            plan: plan(self.field, self.scene, timeline, &n_reaching),
+            max_stretch: max_stretch(motion),
+            assumed,
         }
-        None => "none: no step is too long or too stiff".to_owned(),
-    };
-    let mut assumed = assumptions(groom, &timeline, prepared.iter().map(Prepared::deepest_m));
-    assumed.extend(held_styles(&prepared));
-    let report = SimReport {
-        integrator,
-        order: integrator.order(),
-        limit: limit_words,
-        dt_secs: timeline.dt_secs(),
-        n_steps: moved.count.steps,
-        iterations_per_step: moved.count.iterations as f64
-            / (moved.count.steps - moved.count.slept).max(1) as f64,
-        slept_share: moved.count.slept as f64 / moved.count.steps.max(1) as f64,
-        unsettled_steps: moved.count.unsettled,
-        unsettled_m: moved.count.unsettled_m,
-        plan: plan(field, scene, &timeline, &n_reaching),
-        max_stretch: max_stretch(&motion),
-        assumed,
-    };
-    Ok(Simulation { motion, report })
+    }
+}
+
+/// Some frames of positions of all frames, both included.
+fn cut(positions_m: &[[f32; 3]], frames: (usize, usize), layered: &Layered<'_>) -> Vec<[f32; 3]> {
+    let n_points = positions_m.len() / layered.timeline.n_frames;
+    positions_m[frames.0 * n_points..(frames.1 + 1) * n_points].to_vec()
 }
 
 /// The head's own shapes: no air is in them.
@@ -175,7 +328,7 @@ fn explicit_limit(
         return None;
     }
     let head = timeline.strongest_pull();
-    let strongest = crate::stability::strongest_vector(field);
+    let strongest = crate::stability::strongest_vector(field, timeline.layers());
     let mut work = Vec::new();
     let limits = prepared.iter().enumerate().map(|(k, p)| {
         let batch: Batch<Wide1> = build(&[(k, p)], law, timeline.body().colliders.len());

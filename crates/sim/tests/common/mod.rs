@@ -5,8 +5,8 @@
 pub use tousle_bench::worlds::{
     DOWN, groom, mannequin, nearest_m, over_the_head, still_air, straight, strand, uniform, vacuum,
 };
-use tousle_core::{NoProgress, Strand, StrandMotion, Vec3};
-use tousle_field::{FieldSequence, Scene};
+use tousle_core::{NoProgress, Quantity, Strand, StrandMotion, Vec3};
+use tousle_field::{Ease, FieldLayer, FieldSequence, Handle, LayerOrigin, Scene};
 use tousle_sim::{Integrator, Method, SimError, SimOptions, Simulation, simulate};
 
 pub fn run(
@@ -54,4 +54,44 @@ pub fn assert_sound(simulation: &Simulation, what: &str) {
     let finite = simulation.motion.positions_m.iter().flatten().all(|c| c.is_finite());
     assert!(finite, "{what}: not finite");
     assert!(simulation.report.max_stretch < 1e-3, "{what}: stretch {}", simulation.report.max_stretch);
+}
+
+/// A layer that blows for 0.4 s, from 0.5 s on, near the hair in front.
+pub fn lift(extra: Vec3) -> FieldLayer {
+    FieldLayer {
+        id: "1".into(),
+        name: "lift".into(),
+        muted: false,
+        first_secs: 0.5,
+        last_secs: 0.9,
+        ease: Ease { rise: 0.5, fall: 0.5 },
+        handles: vec![Handle { center_m: Vec3::new(0.1, 0.0, -0.1), reach_m: 0.3, extra }],
+        origin: LayerOrigin::Drag {
+            strand: "strand".into(),
+            control_point: 4,
+            target_m: Vec3::zeros(),
+            method: "paper".into(),
+        },
+    }
+}
+
+/// A wind from the front that swings from side to side, for 1 s.
+pub fn gusts() -> FieldSequence {
+    let gust = |k: i32| Vec3::new(-2.0, 3.0 * libm::sin(0.4 * f64::from(k)), 0.5);
+    uniform(Quantity::AirVelocity, 30.0, &(0..31).map(gust).collect::<Vec<_>>())
+}
+
+/// Strands of 5 to 11 points all round the head.
+pub fn many() -> Vec<Strand> {
+    (0..23)
+        .map(|k| {
+            let (sin, cos) = libm::sincos(0.27 * f64::from(k));
+            straight(
+                Vec3::new(0.1 * cos, 0.09 * sin, 0.03),
+                Vec3::new(0.2 * cos, 0.2 * sin, -1.0),
+                0.2,
+                5 + k as usize % 7,
+            )
+        })
+        .collect()
 }

@@ -1,0 +1,216 @@
+//! A simulation that stays prepared while the layers on its field change.
+
+use crate::{Keeper, Method, SimError, SimOptions, Simulation, check, paper, physical};
+use tousle_core::{Groom, Progress, StrandMotion};
+use tousle_field::{FieldLayer, FieldSequence, Scene};
+
+/// A simulation that is prepared once and run again and again, each time under other layers.
+///
+/// What is worked out once: that everything can be used, the natural shapes, what each strand can touch, where the
+/// field holds no air. A run gives the same bytes as [`crate::simulate`] of a field with these layers, whether all
+/// strands are run or some, whether from the start or from where they were held: strands never touch one another.
+#[derive(Debug)]
+pub struct Simulator<'a> {
+    groom: &'a Groom,
+    ready: Ready<'a>,
+    times_secs: Vec<f64>,
+}
+
+#[derive(Debug)]
+enum Ready<'a> {
+    Paper(paper::Ready<'a>),
+    Physical(physical::Ready<'a>),
+}
+
+/// Some strands of a [`Simulator`], stopped at a frame: runs that differ only later go on from here.
+#[derive(Clone, Debug)]
+pub struct Held {
+    /// Their indices, ascending.
+    strands: Vec<usize>,
+    frame: usize,
+    state: State,
+}
+
+#[derive(Clone, Debug)]
+enum State {
+    Paper(Vec<paper::Prepared>),
+    Physical(physical::Held),
+}
+
+impl Held {
+    /// The strands, by their index in the groom, ascending.
+    pub fn strands(&self) -> &[usize] {
+        &self.strands
+    }
+
+    /// The frame at which they stopped.
+    pub fn frame(&self) -> usize {
+        self.frame
+    }
+}
+
+impl<'a> Simulator<'a> {
+    /// Prepares a simulation. The field's own layers are left out: every run says which there are.
+    ///
+    /// # Errors
+    /// [`SimError`] if an option, the field, the scene or the groom cannot be used.
+    pub fn new(
+        field: &'a FieldSequence,
+        scene: &'a Scene,
+        groom: &'a Groom,
+        options: &'a SimOptions,
+    ) -> Result<Self, SimError> {
+        field.check()?;
+        groom.check()?;
+        check::check_scene(scene, options)?;
+        check::check_options(options)?;
+        let ready = match options.method {
+            Method::Paper => Ready::Paper(paper::Ready::new(field, scene, groom, options)?),
+            Method::Physical => Ready::Physical(physical::Ready::new(field, scene, groom, options)?),
+        };
+        let times_secs = ready.times_secs();
+        Ok(Self { groom, ready, times_secs })
+    }
+
+    /// Time of every frame of a run, s.
+    pub fn times_secs(&self) -> &[f64] {
+        &self.times_secs
+    }
+
+    /// Runs all strands.
+    ///
+    /// # Errors
+    /// [`SimError::Unstable`] if the layers' wind is too strong for the step of an explicit integrator.
+    pub fn simulate(&self, layers: &[FieldLayer], progress: &dyn Progress) -> Result<Simulation, SimError> {
+        self.simulate_kept(layers, None, progress)
+    }
+
+    /// [`Simulator::simulate`] part by part, as [`crate::simulate_kept`].
+    ///
+    /// # Errors
+    /// As [`Simulator::simulate`], and [`SimError::Keeper`], [`SimError::OtherPart`] where the keeper fails.
+    pub fn simulate_kept(
+        &self,
+        layers: &[FieldLayer],
+        keeper: Option<&dyn Keeper>,
+        progress: &dyn Progress,
+    ) -> Result<Simulation, SimError> {
+        match &self.ready {
+            Ready::Paper(ready) => ready.run(layers, keeper, progress),
+            Ready::Physical(ready) => ready.run(layers, keeper, progress),
+        }
+    }
+
+    /// Runs some strands, by their ascending indices: a motion of these alone.
+    ///
+    /// # Errors
+    /// As [`Simulator::simulate`].
+    ///
+    /// # Panics
+    /// If the groom has no such strand.
+    pub fn simulate_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<StrandMotion, SimError> {
+        let positions_m = match &self.ready {
+            Ready::Paper(ready) => ready.run_some(layers, strands),
+            Ready::Physical(ready) => ready.run_some(layers, strands),
+        }?;
+        Ok(self.motion(strands, (0, self.times_secs.len() - 1), positions_m))
+    }
+
+    /// Runs some strands, by their ascending indices, up to the last frame that is not after a time.
+    ///
+    /// # Errors
+    /// As [`Simulator::simulate`].
+    ///
+    /// # Panics
+    /// If the groom has no such strand.
+    pub fn hold(&self, layers: &[FieldLayer], strands: &[usize], secs: f64) -> Result<Held, SimError> {
+        let frame = self.frame_at(secs);
+        let state = match &self.ready {
+            Ready::Paper(ready) => State::Paper(ready.hold(layers, strands, frame)?),
+            Ready::Physical(ready) => State::Physical(ready.hold(layers, strands, frame)?),
+        };
+        Ok(Held { strands: strands.to_vec(), frame, state })
+    }
+
+    /// Runs held strands on to the first frame that is not before a time: a motion of these alone, from the frame at
+    /// which they were held. The layers may differ from those before in what they do later.
+    ///
+    /// # Errors
+    /// As [`Simulator::simulate`].
+    ///
+    /// # Panics
+    /// If another simulator held the strands.
+    pub fn go_on(
+        &self,
+        held: &Held,
+        layers: &[FieldLayer],
+        until_secs: f64,
+    ) -> Result<StrandMotion, SimError> {
+        let frames = (held.frame, self.frame_from(until_secs).max(held.frame));
+        let positions_m = match (&self.ready, &held.state) {
+            (Ready::Paper(ready), State::Paper(state)) => ready.go_on(state, layers, &held.strands, frames),
+            (Ready::Physical(ready), State::Physical(state)) => {
+                ready.go_on(state, layers, &held.strands, frames)
+            }
+            _ => panic!("strands held by a simulator of another method"),
+        }?;
+        Ok(self.motion(&held.strands, frames, positions_m))
+    }
+
+    /// [`Simulator::go_on`] of one strand for many variants at once: each sees its own layers beside the common ones.
+    ///
+    /// With method `physical` the variants are stepped side by side, and cost little more than as many strands.
+    ///
+    /// # Errors
+    /// As [`Simulator::simulate`].
+    ///
+    /// # Panics
+    /// If another simulator held the strand, or it is not one alone.
+    pub fn variants(
+        &self,
+        held: &Held,
+        layers: &[FieldLayer],
+        variants: &[&[FieldLayer]],
+        until_secs: f64,
+    ) -> Result<Vec<StrandMotion>, SimError> {
+        let [strand] = held.strands[..] else { panic!("{} strands, expected one", held.strands.len()) };
+        let frames = (held.frame, self.frame_from(until_secs).max(held.frame));
+        let moved = match (&self.ready, &held.state) {
+            (Ready::Paper(ready), State::Paper(state)) => {
+                ready.variants(state, layers, variants, strand, frames)
+            }
+            (Ready::Physical(ready), State::Physical(state)) => {
+                ready.variants(state, layers, variants, strand, frames)
+            }
+            _ => panic!("a strand held by a simulator of another method"),
+        }?;
+        Ok(moved.into_iter().map(|positions_m| self.motion(&held.strands, frames, positions_m)).collect())
+    }
+
+    /// The last frame that is not after a time; the first if there is none.
+    fn frame_at(&self, secs: f64) -> usize {
+        self.times_secs.partition_point(|t| *t <= secs).saturating_sub(1)
+    }
+
+    /// The first frame that is not before a time; the last if there is none.
+    fn frame_from(&self, secs: f64) -> usize {
+        self.times_secs.partition_point(|t| *t < secs).min(self.times_secs.len() - 1)
+    }
+
+    fn motion(&self, strands: &[usize], frames: (usize, usize), positions_m: Vec<[f32; 3]>) -> StrandMotion {
+        StrandMotion {
+            counts: strands.iter().map(|s| self.groom.strands[*s].rest_curve_m.len()).collect(),
+            times_secs: self.times_secs[frames.0..=frames.1].to_vec(),
+            positions_m,
+        }
+    }
+}
+
+impl Ready<'_> {
+    fn times_secs(&self) -> Vec<f64> {
+        match self {
+            Self::Paper(ready) => ready.times_secs(),
+            Self::Physical(ready) => ready.times_secs(),
+        }
+    }
+}
