@@ -1,6 +1,7 @@
 //! What can be said on the command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Hair in the wind, measured once, worn by any hairstyle.
@@ -32,6 +33,9 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// Pull strands where they should be: adds layers to a field.
     Edit(EditArgs),
+    /// Pull hair to where the shot needs it, in a window: `tousle studio FIELD --groom GROOM`.
+    #[command(disable_help_flag = true)]
+    Studio(StudioArgs),
     /// Write a field for other tools.
     Export(ExportArgs),
     /// Make a field of wind from elsewhere (CFD, a scan, a known truth).
@@ -407,6 +411,14 @@ pub struct EditArgs {
     /// How the groom is read.
     #[command(flatten)]
     pub groom_args: GroomArgs,
+}
+
+/// `tousle studio`
+#[derive(Debug, Args)]
+pub struct StudioArgs {
+    /// A field, `--groom GROOM`, and what else `tousle studio --help` lists.
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "FIELD --groom GROOM")]
+    pub args: Vec<OsString>,
 }
 
 /// `tousle export`

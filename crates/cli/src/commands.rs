@@ -12,13 +12,14 @@ pub mod migrate;
 pub mod quality;
 pub mod recover;
 pub mod simulate;
+pub mod studio;
 pub mod validate;
 
 use crate::args::{EncodingArg, GroomArgs, PackArgs, ReadArgs};
 use anyhow::{Context, anyhow, bail};
 use serde::Serialize;
 use std::path::Path;
-use tousle_core::{Attachment, Groom, Shape};
+use tousle_core::Groom;
 use tousle_eff::{Eff, Encoding, ReadOptions, WriteOptions, WriteReport};
 use tousle_field::{GridSpec, Scene};
 use tousle_groom::{GroomOptions, GroomReadError, HeadShape, Placement};
@@ -66,7 +67,10 @@ fn read_groom(path: &Path, args: &GroomArgs, scene: &Scene, grid: &GridSpec) -> 
     options.up_axis = args.groom_up;
     options.forward = args.groom_forward;
     if args.fit_to_head {
-        options.placement = Placement::FitToHead(head_shape(scene)?);
+        let head = HeadShape::of_body(&scene.body);
+        options.placement = Placement::FitToHead(
+            head.context("the field's body has no ellipsoid for a head to fit the groom to")?,
+        );
     }
     let read = tousle_groom::read_groom(&read_file(path)?, &options).map_err(|error| {
         let hint = groom_hint(&error);
@@ -100,16 +104,6 @@ fn groom_hint(error: &GroomReadError) -> &'static str {
         }
         _ => "",
     }
-}
-
-/// The head that a groom can be fitted to: the first ellipsoid that moves with it.
-fn head_shape(scene: &Scene) -> anyhow::Result<HeadShape> {
-    let of_head = scene.body.colliders.iter().filter(|c| c.attachment == Attachment::Head);
-    let mut ellipsoids = of_head.filter_map(|c| match c.shape {
-        Shape::Ellipsoid { center_m, half_axes_m } => Some(HeadShape { center_m, half_axes_m }),
-        Shape::Capsule { .. } => None,
-    });
-    ellipsoids.next().context("the field's body has no ellipsoid for a head to fit the groom to")
 }
 
 /// How a marker file is read, as the command line has it.

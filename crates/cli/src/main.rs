@@ -32,6 +32,7 @@ fn run(cli: &args::Cli) -> anyhow::Result<ui::Outcome> {
         args::Command::Inspect(args) => commands::inspect::run(args, &bars),
         args::Command::Simulate(args) => commands::simulate::run(args, &bars),
         args::Command::Edit(args) => commands::edit::run(args, &bars),
+        args::Command::Studio(args) => commands::studio::run(args),
         args::Command::Export(args) => commands::export::run(args, &bars),
         args::Command::Import(args) => commands::import::run(args, &bars),
         args::Command::Merge(args) => commands::merge::run(args, &bars),

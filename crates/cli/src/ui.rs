@@ -15,6 +15,8 @@ pub enum Outcome {
     Invalid,
     /// The work is done, and something that was asked for is missing from the result.
     WithLoss,
+    /// Another program did the work and ended with this code.
+    Ended(u8),
 }
 
 impl From<Outcome> for ExitCode {
@@ -23,6 +25,7 @@ impl From<Outcome> for ExitCode {
             Outcome::Fine => Self::SUCCESS,
             Outcome::Invalid => Self::from(1),
             Outcome::WithLoss => Self::from(3),
+            Outcome::Ended(code) => Self::from(code),
         }
     }
 }

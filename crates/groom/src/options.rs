@@ -1,4 +1,4 @@
-use tousle_core::{LengthUnit, UpAxis, Vec3};
+use tousle_core::{Attachment, Body, LengthUnit, Shape, UpAxis, Vec3};
 
 /// What a groom file may not say, and where its hair goes.
 ///
@@ -54,6 +54,18 @@ pub struct HeadShape {
     pub center_m: Vec3,
     /// Half the length of each axis, m, > 0.
     pub half_axes_m: Vec3,
+}
+
+impl HeadShape {
+    /// The head that a groom can be fitted to: a body's first ellipsoid that moves with it.
+    pub fn of_body(body: &Body) -> Option<Self> {
+        let of_head = body.colliders.iter().filter(|c| c.attachment == Attachment::Head);
+        let mut ellipsoids = of_head.filter_map(|c| match c.shape {
+            Shape::Ellipsoid { center_m, half_axes_m } => Some(Self { center_m, half_axes_m }),
+            Shape::Capsule { .. } => None,
+        });
+        ellipsoids.next()
+    }
 }
 
 impl Axis {

@@ -1,0 +1,262 @@
+//! The picture: navigating it, choosing strands, pulling control points.
+
+use super::{legend, overlay};
+use crate::app::Studio;
+use crate::camera::{Eye, Pixel};
+use crate::drag::{Dragging, Grip};
+use crate::instant;
+use crate::pick;
+use crate::solve::wanted_again;
+use crate::theme;
+use crate::view::Picture;
+use crate::view::hair::{self, Tint};
+use crate::view::wind::{Arrows, Wind};
+use eframe::egui::{
+    Color32, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2,
+};
+use tousle_core::{Pose, Vec3};
+use tousle_field::LayerOrigin;
+
+/// Time between the keys of a drag without a first key, s.
+const USUAL_SPAN_SECS: f64 = 0.5;
+/// The least number of frames between two keys.
+const MIN_FRAMES: f64 = 3.0;
+
+pub fn show(ui: &mut Ui, studio: &mut Studio) {
+    let (rect, response) =
+        ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Picture of the hair"));
+    navigate(ui, studio, &response, rect);
+    let place = Place { rect, eye: eye(studio, rect) };
+    let points = studio.motion().map(|motion| instant::points_at(motion, studio.player.time_secs));
+    draw(ui, studio, &place, points.as_deref());
+    if let Some(points) = points {
+        choose(studio, &response, &place, &points);
+        overlay::show(ui, studio, &place);
+        control_points(ui, studio, &place, &points);
+        target(ui, studio, &place);
+    }
+    legend::show(ui.painter(), rect, studio);
+}
+
+/// Where the picture is in the window, and what it sees.
+pub struct Place {
+    pub rect: Rect,
+    pub eye: Eye,
+}
+
+impl Place {
+    /// Where a point of head space is in the window.
+    pub fn at(&self, point_m: Vec3) -> Option<Pos2> {
+        self.eye.project(point_m).map(|pixel| self.rect.min + vec2(pixel.x as f32, pixel.y as f32))
+    }
+
+    /// A place in the window, on the picture.
+    fn pixel(&self, at: Pos2) -> Pixel {
+        let at = at - self.rect.min;
+        Pixel::new(f64::from(at.x), f64::from(at.y))
+    }
+}
+
+/// The camera at work: with the head, or where the head is turned in the room.
+fn eye(studio: &Studio, rect: Rect) -> Eye {
+    let scene = &studio.document.scene;
+    let pose = scene.poses.motion_at(studio.player.time_secs).world_from_head;
+    let shown_from_head =
+        if studio.look.follow_head { Pose::identity() } else { scene.rest_pose.inverse() * pose };
+    studio.camera.eye(&shown_from_head, size(rect))
+}
+
+fn size(rect: Rect) -> Pixel {
+    Pixel::new(f64::from(rect.width()), f64::from(rect.height()))
+}
+
+fn navigate(ui: &Ui, studio: &mut Studio, response: &Response, rect: Rect) {
+    let (modifiers, scroll) = ui.input(|input| (input.modifiers, input.smooth_scroll_delta()));
+    let drag = response.drag_delta();
+    let drag = Pixel::new(f64::from(drag.x), f64::from(drag.y));
+    let by = |button| response.dragged_by(button);
+    if by(PointerButton::Middle) && (modifiers.shift || modifiers.alt) {
+        studio.camera.pan(drag, size(rect));
+    } else if by(PointerButton::Middle) || by(PointerButton::Primary) {
+        studio.camera.orbit(drag);
+    } else if by(PointerButton::Secondary) && modifiers.alt {
+        studio.camera.zoom(4.0 * (drag.x - drag.y));
+    }
+    if response.hovered() && scroll.y != 0.0 {
+        studio.camera.zoom(f64::from(scroll.y));
+    }
+}
+
+fn draw(ui: &Ui, studio: &mut Studio, place: &Place, points: Option<&[[f32; 3]]>) {
+    let picture = picture(studio, points);
+    let pixels = place.rect.size() * ui.ctx().pixels_per_point();
+    let texture = studio.view.draw(&place.eye, [pixels.x.round() as u32, pixels.y.round() as u32], &picture);
+    let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+    ui.painter().image(texture, place.rect, whole, Color32::WHITE);
+}
+
+fn picture(studio: &Studio, points: Option<&[[f32; 3]]>) -> Picture {
+    let (document, look, time_secs) = (&studio.document, &studio.look, studio.player.time_secs);
+    let tint = |strand| match strand {
+        _ if studio.chosen_strand == Some(strand) => Tint::Chosen,
+        _ if studio.hovered_strand == Some(strand) => Tint::Hovered,
+        _ => Tint::Plain,
+    };
+    let scene = &document.scene;
+    let pose = scene.poses.motion_at(time_secs).world_from_head;
+    let mut picture = Picture {
+        hair_look: look.hair,
+        hair: points.map(|points| hair::samples(&document.groom, points, tint)).unwrap_or_default(),
+        head_from_torso: scene.body.head_from_torso(&pose, &scene.rest_pose),
+        ..Picture::default()
+    };
+    if look.wind.slice || look.wind.arrows != Arrows::Off {
+        let stack = studio.shown_stack();
+        let wind = Wind::at(&document.field, stack, time_secs, studio.scales, look.wind.color_by);
+        picture.arrows = wind.arrows(&look.wind);
+        if look.wind.slice {
+            picture.slice = wind.slice(&look.wind);
+        }
+    }
+    picture
+}
+
+/// The strand under the pointer is lit; a click chooses it.
+fn choose(studio: &mut Studio, response: &Response, place: &Place, points: &[[f32; 3]]) {
+    let pointer = response.hover_pos().filter(|_| !response.dragged());
+    let under = pointer.and_then(|at| {
+        let counts = studio.document.groom.counts();
+        pick::strand_at(&place.eye, place.pixel(at), &counts, points, &studio.document.scene.body)
+    });
+    studio.hovered_strand = under;
+    if response.clicked() {
+        studio.chosen_strand = under;
+    }
+    if let Some(strand_idx) = under {
+        response.clone().on_hover_text_at_pointer(&studio.document.groom.strands[strand_idx].name);
+    }
+}
+
+/// The chosen strand's control points, each a widget that can be dragged.
+fn control_points(ui: &Ui, studio: &mut Studio, place: &Place, points: &[[f32; 3]]) {
+    let Some(strand_idx) = studio.chosen_strand else { return };
+    let groom = studio.document.groom.clone();
+    let first: usize = groom.strands[..strand_idx].iter().map(|s| s.rest_curve_m.len()).sum();
+    let strand = &groom.strands[strand_idx];
+    // The root stays where it is: it cannot be pulled.
+    for point in 1..strand.rest_curve_m.len() {
+        let at_m = instant::single(points[first + point]);
+        let Some(at) = place.at(at_m) else { continue };
+        let name = format!("{} point {point}", strand.name);
+        let response = handle(ui, at, &name);
+        let pulled = studio.drag.as_ref().is_some_and(|d| d.strand_idx == strand_idx && d.point == point);
+        let radius = if pulled || response.hovered() { 6.0 } else { 4.0 };
+        let hidden = pick::is_hidden(place.eye.position_m, at_m, &studio.document.scene.body);
+        let fill = if hidden { theme::ACCENT.gamma_multiply(0.35) } else { theme::ACCENT };
+        ui.painter().circle(at, radius, fill, Stroke::new(1.5, theme::PAPER));
+        if response.drag_started_by(PointerButton::Primary) && !ui.input(|input| input.modifiers.alt) {
+            begin(studio, place, &response, strand_idx, point, at_m);
+        }
+        go_on(studio, place, &response, strand_idx, point);
+        response.on_hover_text(name);
+    }
+}
+
+/// The chosen edit's target, which can be dragged as well.
+fn target(ui: &Ui, studio: &mut Studio, place: &Place) {
+    let Some(layer) = studio.shown_layer().cloned() else { return };
+    let LayerOrigin::Drag { strand, control_point, target_m, .. } = &layer.origin;
+    let pulled = studio.drag.as_ref().map(Dragging::target_m);
+    let target_m = pulled.unwrap_or(*target_m);
+    let Some(at) = place.at(target_m) else { return };
+    overlay::target(ui.painter(), at);
+    let Some(strand_idx) = studio.document.groom.strands.iter().position(|s| s.name == *strand) else {
+        return;
+    };
+    let name = format!("Target of {}", layer.name);
+    let response = handle(ui, at, &name);
+    if response.drag_started_by(PointerButton::Primary) {
+        let grip = Grip {
+            strand_idx,
+            strand: strand.clone(),
+            point: *control_point,
+            keys_secs: [layer.first_secs, layer.last_secs],
+            target_m,
+        };
+        let wanted = wanted_again(&layer);
+        let grabbed = response.interact_pointer_pos().unwrap_or(at);
+        studio.player.playing = false;
+        studio.drag = Some(Dragging::again(grip, wanted, place.eye, place.pixel(grabbed)));
+    }
+    go_on(studio, place, &response, strand_idx, *control_point);
+    response.on_hover_text(name);
+}
+
+/// A round widget with an accessible name.
+fn handle(ui: &Ui, at: Pos2, name: &str) -> Response {
+    let rect = Rect::from_center_size(at, Vec2::splat(16.0));
+    let response = ui.interact(rect, ui.scope_id().with(name), Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
+    response
+}
+
+/// A control point was grabbed: at this time it shall be elsewhere.
+fn begin(
+    studio: &mut Studio,
+    place: &Place,
+    response: &Response,
+    strand_idx: usize,
+    point: usize,
+    at_m: Vec3,
+) {
+    let player = &mut studio.player;
+    player.playing = false;
+    let (second, frame) = (player.snapped(player.time_secs), 1.0 / player.rate_hz());
+    let set = studio.first_key_secs.filter(|first| *first <= second - MIN_FRAMES * frame);
+    let first =
+        set.unwrap_or_else(|| player.snapped(f64::max(second - USUAL_SPAN_SECS, player.start_secs())));
+    if second - first < MIN_FRAMES * frame - 1e-9 {
+        studio
+            .complain("go to a later time first: between the two keys of a pull there must be three frames");
+        return;
+    }
+    player.go(second);
+    let strand = studio.document.groom.strands[strand_idx].name.clone();
+    let at = place.pixel(response.interact_pointer_pos().unwrap_or(response.rect.center()));
+    let is_same = |layer: &&tousle_field::FieldLayer| {
+        let LayerOrigin::Drag { strand: of, control_point, .. } = &layer.origin;
+        *of == strand && *control_point == point && (layer.last_secs - second).abs() < 0.5 * frame
+    };
+    // Pulled once more at the same key, the edit aims elsewhere: two that pull at once would add up.
+    let again = studio.shown_layer().filter(is_same).map(wanted_again);
+    let grip = Grip { strand_idx, strand, point, keys_secs: [first, second], target_m: at_m };
+    studio.drag = Some(match again {
+        Some(wanted) => Dragging::again(grip, wanted, place.eye, at),
+        None => Dragging::new(grip, place.eye, at),
+    });
+}
+
+/// The drag that this widget began follows the pointer; when it is let go, the edit is made.
+fn go_on(studio: &mut Studio, place: &Place, response: &Response, strand_idx: usize, point: usize) {
+    let is_its = |drag: &&mut Dragging| drag.strand_idx == strand_idx && drag.point == point;
+    let Some(drag) = studio.drag.as_mut().filter(is_its) else { return };
+    let wanted = if response.dragged() {
+        let Some(at) = response.interact_pointer_pos().filter(|_| response.drag_delta() != Vec2::ZERO) else {
+            return;
+        };
+        drag.move_to(place.pixel(at));
+        (drag.wanted.clone(), None)
+    } else if response.drag_stopped() {
+        let label = drag.wanted.edit.name.to_lowercase();
+        (drag.wanted.clone(), Some(label))
+    } else {
+        return;
+    };
+    let is_done = wanted.1.is_some();
+    studio.want(wanted.0, wanted.1);
+    if is_done {
+        studio.drag = None;
+        studio.first_key_secs = None;
+    }
+}

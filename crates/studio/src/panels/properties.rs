@@ -1,0 +1,149 @@
+//! The chosen edit: its name, keys, reach, ease, and what became of it.
+
+use super::widgets::{heading, muted, number, sign_button};
+use crate::app::Studio;
+use crate::solve::{Wanted, wanted_again};
+use crate::theme;
+use eframe::egui::{DragValue, Response, RichText, TextEdit, Ui};
+use std::ops::RangeInclusive;
+use tousle_edit::{Action, KeyTime};
+use tousle_field::LayerOrigin;
+
+pub fn show(ui: &mut Ui, studio: &mut Studio) {
+    let Some(id) = studio.chosen_edit.clone() else { return };
+    let Some(layer) = studio.shown_stack().iter().find(|layer| layer.id == id).cloned() else { return };
+    heading(ui, "Edit");
+    name(ui, studio, &id, &layer.name);
+    let LayerOrigin::Drag { strand, control_point, method, .. } = &layer.origin;
+    muted(ui, format!("strand {strand}, point {control_point}, method {method}"));
+
+    let is_of_it = |wanted: &&Wanted| wanted.replaces.as_ref() == Some(&id);
+    let mut wanted = studio.pending().filter(is_of_it).cloned().unwrap_or_else(|| wanted_again(&layer));
+    let changed =
+        [keys(ui, studio, &mut wanted), shape(ui, &mut wanted)].into_iter().max().unwrap_or_default();
+    match changed {
+        Change::None => {}
+        Change::GoesOn => studio.want(wanted, None),
+        Change::Done => studio.want(wanted, Some(format!("change {}", layer.name))),
+    }
+    outcome(ui, studio, &id);
+}
+
+/// Whether a value was changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+enum Change {
+    #[default]
+    None,
+    GoesOn,
+    Done,
+}
+
+fn change(response: &Response) -> Change {
+    if response.drag_stopped() || response.changed() && !response.dragged() {
+        Change::Done
+    } else if response.changed() {
+        Change::GoesOn
+    } else {
+        Change::None
+    }
+}
+
+fn name(ui: &mut Ui, studio: &mut Studio, id: &str, name: &str) {
+    // What is being written is kept by egui until it is done.
+    let key = ui.scope_id().with(("name", id));
+    let mut text = ui.data_mut(|data| data.get_temp::<String>(key)).unwrap_or_else(|| name.to_owned());
+    let response = ui.horizontal(|ui| {
+        let label = ui.label("Name");
+        ui.add(TextEdit::singleline(&mut text).desired_width(f32::INFINITY)).labelled_by(label.id)
+    });
+    let response = response.inner;
+    if response.lost_focus() {
+        ui.data_mut(|data| data.remove::<String>(key));
+        let text = text.trim();
+        if !text.is_empty() && text != name {
+            studio.rename(id, text);
+        }
+    } else if response.has_focus() {
+        ui.data_mut(|data| data.insert_temp(key, text));
+    }
+}
+
+fn keys(ui: &mut Ui, studio: &mut Studio, wanted: &mut Wanted) -> Change {
+    let frame = 1.0 / studio.player.rate_hz();
+    let (KeyTime::Secs(mut first), KeyTime::Secs(mut second)) = (wanted.edit.first, wanted.edit.second)
+    else {
+        return Change::None;
+    };
+    // Between two keys there are three frames at least.
+    let before = studio.player.start_secs()..=second - 3.0 * frame;
+    let after = first + 3.0 * frame..=studio.player.end_secs();
+    let a = key_row(ui, studio, "First key", &mut first, before);
+    let b = key_row(ui, studio, "Second key", &mut second, after);
+    let changed = change(&a).max(change(&b));
+    if changed != Change::None {
+        wanted.edit.first = KeyTime::Secs(studio.player.snapped(first));
+        wanted.edit.second = KeyTime::Secs(studio.player.snapped(second));
+    }
+    changed
+}
+
+fn key_row(
+    ui: &mut Ui,
+    studio: &mut Studio,
+    name: &str,
+    secs: &mut f64,
+    range: RangeInclusive<f64>,
+) -> Response {
+    ui.horizontal(|ui| {
+        let value = DragValue::new(secs).range(range).speed(0.5 / studio.player.rate_hz());
+        let response = number(ui, name, value.fixed_decimals(2).suffix(" s"));
+        if sign_button(ui, "➡", &format!("Go to the {}", name.to_lowercase())).clicked() {
+            studio.player.go(*secs);
+        }
+        response
+    })
+    .inner
+}
+
+fn shape(ui: &mut Ui, wanted: &mut Wanted) -> Change {
+    let Action::Drag(drag) = &mut wanted.edit.action else { return Change::None };
+    let mut reach_mm = drag.reach_m * 1e3;
+    let reach =
+        number(ui, "Reach", DragValue::new(&mut reach_mm).range(20.0..=300.0).speed(0.5).suffix(" mm"))
+            .on_hover_text("how far from the strand's way the edit has faded to nothing");
+    let ease = &mut wanted.edit.ease;
+    let (mut rise, mut fall) = (ease.rise * 100.0, ease.fall * 100.0);
+    let (most_rise, most_fall) = (100.0 - fall, 100.0 - rise);
+    let a = number(ui, "Ease in", percent(&mut rise, most_rise));
+    let b = number(ui, "Ease out", percent(&mut fall, most_fall));
+    let changed = [&reach, &a, &b].map(change).into_iter().max().unwrap_or_default();
+    if changed != Change::None {
+        drag.reach_m = reach_mm / 1e3;
+        (ease.rise, ease.fall) = (rise / 100.0, f64::min(fall / 100.0, 1.0 - rise / 100.0));
+    }
+    changed
+}
+
+fn percent(value: &mut f64, most: f64) -> DragValue<'_> {
+    DragValue::new(value).range(0.0..=most).speed(0.5).fixed_decimals(0).suffix(" %")
+}
+
+fn outcome(ui: &mut Ui, studio: &Studio, id: &str) {
+    ui.add_space(4.0);
+    if let Some(mm) = studio.residual_mm(id) {
+        let text = format!("{mm:.1} mm from the target at the second key");
+        ui.label(RichText::new(text).color(theme::WARM));
+    }
+    let Some(outcome) = studio.shown.outcomes.get(id) else { return };
+    muted(ui, format!("asked to move {:.1} mm", outcome.asked_mm));
+    if let Some(why) = &outcome.unreachable {
+        ui.label(RichText::new(format!("out of reach: {why}")).color(theme::BAD));
+    }
+    if outcome.along_lock > 0.5 {
+        let text = format!(
+            "{:.0} % of the pull is along the lock, where wind has no hold",
+            outcome.along_lock * 100.0
+        );
+        muted(ui, text);
+    }
+}

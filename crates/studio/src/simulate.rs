@@ -1,0 +1,320 @@
+//! Simulates in the background: the newest request is run, those it overtook never are, and the window keeps drawing.
+
+use crate::solve::{Solved, Wanted, solve};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use tousle_core::{Groom, Progress, StrandMotion};
+use tousle_field::{FieldLayer, FieldSequence, Scene};
+use tousle_sim::{Method, SimOptions};
+
+/// What should be simulated.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Request {
+    /// The layers on the field.
+    pub stack: Vec<FieldLayer>,
+    /// An edit to be made into a layer first.
+    pub wanted: Option<Wanted>,
+    /// A layer without which the motion is wanted too; a wanted edit's own always is.
+    pub without: Option<String>,
+}
+
+/// What came of a request.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// Which request it answers, as [`Simulator::ask`] numbered them.
+    pub number: u64,
+    /// How long it took.
+    pub took: Duration,
+    /// The motion, or why there is none.
+    pub result: Result<Simulated, String>,
+}
+
+/// A stack with the motion it gives.
+#[derive(Clone, Debug)]
+pub struct Simulated {
+    /// The layers; with the wanted one.
+    pub stack: Vec<FieldLayer>,
+    /// The motion with all of them.
+    pub motion: Arc<StrandMotion>,
+    /// The motion without the wanted layer, or the one that the request names.
+    pub without: Option<Arc<StrandMotion>>,
+    /// What became of the wanted edit.
+    pub solved: Option<Solved>,
+}
+
+/// A thread that simulates one field and groom with changing layers.
+#[derive(Debug)]
+pub struct Simulator {
+    shared: Arc<Shared>,
+    answers: Receiver<Answer>,
+    n_asked: u64,
+    n_answered: u64,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    inbox: Mutex<Inbox>,
+    news: Condvar,
+    done: AtomicU64,
+    total: AtomicU64,
+}
+
+#[derive(Debug, Default)]
+struct Inbox {
+    request: Option<(u64, Request)>,
+    quit: bool,
+}
+
+impl Simulator {
+    /// Starts the thread. `wake` is called from it after each answer.
+    pub fn start(
+        field: Arc<FieldSequence>,
+        scene: Arc<Scene>,
+        groom: Arc<Groom>,
+        wake: impl Fn() + Send + 'static,
+    ) -> Self {
+        let shared = Arc::new(Shared::default());
+        let (sender, answers) = channel();
+        let inbox = shared.clone();
+        std::thread::spawn(move || {
+            let options = SimOptions::of(Method::for_quantity(field.quantity));
+            let ready = tousle_sim::Simulator::new(&field, &scene, &groom, &options).map_err(in_words);
+            let under = (*field).clone();
+            Stage { ready, under, scene: &scene, groom: &groom, kept: Vec::new(), shared: &inbox }
+                .run(&sender, wake);
+        });
+        Self { shared, answers, n_asked: 0, n_answered: 0 }
+    }
+
+    /// Asks for a simulation, in place of any that has not begun, and gives its number.
+    pub fn ask(&mut self, request: Request) -> u64 {
+        self.n_asked += 1;
+        let mut inbox = self.shared.inbox.lock().unwrap_or_else(PoisonError::into_inner);
+        inbox.request = Some((self.n_asked, request));
+        self.shared.news.notify_one();
+        self.n_asked
+    }
+
+    /// The newest answer since the last call.
+    pub fn poll(&mut self) -> Option<Answer> {
+        let newest = self.answers.try_iter().last();
+        self.n_answered = newest.as_ref().map_or(self.n_answered, |answer| answer.number);
+        newest
+    }
+
+    /// Whether the newest request is still to be answered.
+    pub fn is_busy(&self) -> bool {
+        self.n_answered < self.n_asked
+    }
+
+    /// The share of the running simulation that is done, 0 to 1.
+    pub fn progress(&self) -> f32 {
+        let total = self.shared.total.load(Ordering::Relaxed);
+        if total == 0 { 0.0 } else { self.shared.done.load(Ordering::Relaxed) as f32 / total as f32 }
+    }
+}
+
+impl Drop for Simulator {
+    fn drop(&mut self) {
+        self.shared.inbox.lock().unwrap_or_else(PoisonError::into_inner).quit = true;
+        self.shared.news.notify_one();
+    }
+}
+
+impl Progress for Shared {
+    fn at(&self, done: u64, total: u64) {
+        self.total.store(total, Ordering::Relaxed);
+        self.done.store(done, Ordering::Relaxed);
+    }
+}
+
+/// What the thread works on.
+struct Stage<'a> {
+    /// The simulation that stays prepared, or why there can be none.
+    ready: Result<tousle_sim::Simulator<'a>, String>,
+    /// The field with the layers under a wanted edit.
+    under: FieldSequence,
+    scene: &'a Scene,
+    groom: &'a Groom,
+    /// Motions of some stacks, the newest last.
+    kept: Vec<(Vec<FieldLayer>, Arc<StrandMotion>)>,
+    shared: &'a Shared,
+}
+
+/// How many motions are kept: with an edit and without it, before and after.
+const N_KEPT: usize = 4;
+
+impl Stage<'_> {
+    fn run(mut self, answers: &Sender<Answer>, wake: impl Fn()) {
+        while let Some((number, request)) = self.next() {
+            let start = Instant::now();
+            let result = self.answer(&request);
+            // The window is gone when nobody listens.
+            if answers.send(Answer { number, took: start.elapsed(), result }).is_err() {
+                return;
+            }
+            wake();
+        }
+    }
+
+    /// The newest request, once there is one; `None` if there will be no more.
+    fn next(&self) -> Option<(u64, Request)> {
+        let mut inbox = self.shared.inbox.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            if inbox.quit {
+                return None;
+            }
+            if let Some(request) = inbox.request.take() {
+                return Some(request);
+            }
+            inbox = self.shared.news.wait(inbox).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn answer(&mut self, request: &Request) -> Result<Simulated, String> {
+        let mut stack = request.stack.clone();
+        let Some(wanted) = &request.wanted else {
+            let motion = self.motion(&stack)?;
+            let without = match &request.without {
+                Some(id) => Some(self.motion(&without(&stack, id))?),
+                None => None,
+            };
+            return Ok(Simulated { stack, motion, without, solved: None });
+        };
+        let others = wanted.replaces.as_ref().map_or_else(|| stack.clone(), |id| without(&stack, id));
+        let before = self.motion(&others)?;
+        self.under.layers = others;
+        let solved = solve(&self.under, self.scene, self.groom, &before, wanted).map_err(in_words)?;
+        match stack.iter_mut().find(|layer| Some(&layer.id) == wanted.replaces.as_ref()) {
+            Some(place) => *place = solved.layer.clone(),
+            None => stack.push(solved.layer.clone()),
+        }
+        let motion = self.motion(&stack)?;
+        Ok(Simulated { stack, motion, without: Some(before), solved: Some(solved) })
+    }
+
+    /// The groom's motion with these layers, run or kept.
+    fn motion(&mut self, stack: &[FieldLayer]) -> Result<Arc<StrandMotion>, String> {
+        let heard = heard(stack);
+        if let Some(at) = self.kept.iter().position(|(layers, _)| *layers == heard) {
+            let found = self.kept.remove(at);
+            self.kept.push(found);
+        } else {
+            let ready = self.ready.as_ref().map_err(Clone::clone)?;
+            let run = ready.simulate(&heard, self.shared).map_err(in_words)?;
+            self.kept.push((heard, Arc::new(run.motion)));
+            if self.kept.len() > N_KEPT {
+                self.kept.remove(0);
+            }
+        }
+        Ok(self.kept[self.kept.len() - 1].1.clone())
+    }
+}
+
+/// A stack without one of its layers.
+fn without(stack: &[FieldLayer], id: &str) -> Vec<FieldLayer> {
+    stack.iter().filter(|layer| layer.id != id).cloned().collect()
+}
+
+/// What of a stack changes a motion: names do not, nor do muted layers.
+fn heard(stack: &[FieldLayer]) -> Vec<FieldLayer> {
+    let heard = stack.iter().filter(|layer| !layer.muted).cloned();
+    heard.map(|layer| FieldLayer { name: String::new(), ..layer }).collect()
+}
+
+/// An error with all its causes, in one line.
+fn in_words(error: impl std::error::Error + Send + Sync + 'static) -> String {
+    format!("{:#}", anyhow::Error::new(error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing;
+    use tousle_core::Vec3;
+    use tousle_edit::{Action, ControlPoint, DEFAULT_EASE, Drag, Edit, KeyTime, Target};
+
+    fn simulator() -> Simulator {
+        let (scene, groom) = (Arc::new(testing::scene()), Arc::new(testing::groom()));
+        Simulator::start(Arc::new(testing::field()), scene, groom, || ())
+    }
+
+    fn answer(simulator: &mut Simulator, number: u64) -> Answer {
+        let end = Instant::now() + Duration::from_secs(60);
+        while Instant::now() < end {
+            match simulator.poll() {
+                Some(answer) if answer.number == number => return answer,
+                _ => std::thread::sleep(Duration::from_millis(1)),
+            }
+        }
+        panic!("no answer in a minute");
+    }
+
+    fn lift() -> Wanted {
+        let drag = Drag {
+            strand: "A".into(),
+            control_point: ControlPoint::Tip,
+            target: Target::Offset(Vec3::new(0.03, 0.0, 0.01)),
+            reach_m: 0.06,
+        };
+        let edit = Edit {
+            name: "lift".into(),
+            first: KeyTime::Secs(0.2),
+            second: KeyTime::Secs(0.7),
+            ease: DEFAULT_EASE,
+            muted: false,
+            action: Action::Drag(drag),
+        };
+        Wanted { edit, replaces: None }
+    }
+
+    #[test]
+    fn only_the_newest_request_must_be_run() {
+        let mut simulator = simulator();
+        for _ in 0..50 {
+            simulator.ask(Request::default());
+        }
+        assert!(simulator.is_busy());
+        let last = answer(&mut simulator, 50);
+        assert!(last.result.unwrap().without.is_none() && !simulator.is_busy());
+    }
+
+    #[test]
+    fn a_wanted_edit_becomes_a_layer_and_moves_its_strand() {
+        let mut simulator = simulator();
+        let number = simulator.ask(Request { wanted: Some(lift()), ..Request::default() });
+        let first = answer(&mut simulator, number).result.unwrap();
+        let id = first.solved.unwrap().layer.id;
+        assert_eq!(first.stack.iter().map(|layer| &layer.id).collect::<Vec<_>>(), [&id]);
+        let before = first.without.unwrap();
+        let moved = |motion: &StrandMotion| (motion.strand(42, 0)[4][0] - before.strand(42, 0)[4][0]) * 1e3;
+        assert!(moved(&first.motion) > 5.0, "{} mm", moved(&first.motion));
+
+        let wanted = Wanted { replaces: Some(id.clone()), ..lift() };
+        let request = Request { stack: first.stack, wanted: Some(wanted), without: None };
+        let number = simulator.ask(request);
+        let again = answer(&mut simulator, number).result.unwrap();
+        assert_eq!(again.stack.len(), 1);
+        assert_eq!(again.motion, first.motion);
+
+        let mut muted = again.stack;
+        muted[0].muted = true;
+        let number = simulator.ask(Request { stack: muted, wanted: None, without: Some(id) });
+        let quiet = answer(&mut simulator, number).result.unwrap();
+        assert!(Arc::ptr_eq(&quiet.motion, &quiet.without.unwrap()));
+        assert_eq!(quiet.motion, before);
+    }
+
+    #[test]
+    fn what_cannot_be_done_is_said() {
+        let mut simulator = simulator();
+        let mut wanted = lift();
+        let Action::Drag(drag) = &mut wanted.edit.action else { panic!("no drag") };
+        drag.strand = "Z".into();
+        let number = simulator.ask(Request { wanted: Some(wanted), ..Request::default() });
+        let error = answer(&mut simulator, number).result.unwrap_err();
+        assert!(error.contains("found no strand `Z`"), "{error}");
+    }
+}
