@@ -23,7 +23,13 @@ fn main() -> anyhow::Result<()> {
 
     let mut window = Window::open(&files, SIZE);
     window.studio_mut().player.go(2.0);
-    window.image().save(pictures.join("studio-open.png"))?;
+    let save = |window: &mut Window, name: &str| {
+        // Around the window's content the harness leaves a margin.
+        let image = window.image();
+        let (width, height) = (image.width() - 2 * MARGIN, image.height() - 2 * MARGIN);
+        image::imageops::crop_imm(&image, MARGIN, MARGIN, width, height).to_image().save(pictures.join(name))
+    };
+    save(&mut window, "studio-open.png")?;
 
     let studio = window.studio_mut();
     studio.camera.yaw = 0.35;
@@ -31,14 +37,16 @@ fn main() -> anyhow::Result<()> {
     window.settle();
     let tip = window.place(&format!("{STRAND} point {POINT}"));
     window.drag(tip, vec2(46.0, -52.0));
-    window.image().save(pictures.join("studio-pull.png"))?;
+    save(&mut window, "studio-pull.png")?;
 
     window.press(Modifiers::NONE, Key::Escape);
     window.press(Modifiers::NONE, Key::S);
     window.studio_mut().camera.yaw = 0.9;
-    window.image().save(pictures.join("studio-wind.png"))?;
+    save(&mut window, "studio-wind.png")?;
     Ok(())
 }
+
+const MARGIN: u32 = 8;
 
 /// A lock beside the face, and its tip.
 const STRAND: &str = "B59";

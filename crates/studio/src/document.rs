@@ -137,7 +137,6 @@ impl Document {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::testing;
 
     #[test]

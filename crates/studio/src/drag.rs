@@ -41,7 +41,7 @@ pub struct Grip {
 
 impl Dragging {
     /// Begins a drag that makes a new edit.
-    pub fn new(grip: Grip, eye: Eye, at: Pixel) -> Self {
+    pub fn new(grip: &Grip, eye: Eye, at: Pixel) -> Self {
         let drag = Drag {
             strand: grip.strand.clone(),
             control_point: ControlPoint::Index(grip.point as u32),
@@ -61,9 +61,9 @@ impl Dragging {
     }
 
     /// Begins a drag that changes an edit.
-    pub fn again(grip: Grip, wanted: Wanted, eye: Eye, at: Pixel) -> Self {
+    pub fn again(grip: &Grip, wanted: Wanted, eye: Eye, at: Pixel) -> Self {
         let grabbed_m = eye.on_plane(at, grip.target_m);
-        let Grip { strand_idx, point, target_m, .. } = grip;
+        let Grip { strand_idx, point, target_m, .. } = *grip;
         Self { wanted, strand_idx, point, eye, from_m: target_m, grabbed_m }
     }
 
@@ -96,7 +96,7 @@ mod tests {
         let grip = Grip { strand_idx: 2, strand: "A".into(), point: 4, keys_secs: [0.2, 0.7], target_m };
         // Grabbed a little beside its middle.
         let start = eye.project(target_m).unwrap() + Pixel::new(3.0, -2.0);
-        let mut drag = Dragging::new(grip, eye, start);
+        let mut drag = Dragging::new(&grip, eye, start);
         assert_eq!(drag.target_m(), target_m);
         drag.move_to(start + Pixel::new(40.0, -25.0));
         let moved = eye.project(drag.target_m()).unwrap() - eye.project(target_m).unwrap();

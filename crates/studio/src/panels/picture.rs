@@ -91,7 +91,7 @@ fn navigate(ui: &Ui, studio: &mut Studio, response: &Response, rect: Rect) {
 fn draw(ui: &Ui, studio: &mut Studio, place: &Place, points: Option<&[[f32; 3]]>) {
     let picture = picture(studio, points);
     let pixels = place.rect.size() * ui.ctx().pixels_per_point();
-    let texture = studio.view.draw(&place.eye, [pixels.x.round() as u32, pixels.y.round() as u32], &picture);
+    let texture = studio.view.draw(&place.eye, [pixels.x.round() as u32, pixels.y.round() as u32], picture);
     let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
     ui.painter().image(texture, place.rect, whole, Color32::WHITE);
 }
@@ -129,9 +129,14 @@ fn choose(studio: &mut Studio, response: &Response, place: &Place, points: &[[f3
         let counts = studio.document.groom.counts();
         pick::strand_at(&place.eye, place.pixel(at), &counts, points, &studio.document.scene.body)
     });
+    let before = (studio.hovered_strand, studio.chosen_strand);
     studio.hovered_strand = under;
     if response.clicked() {
         studio.chosen_strand = under;
+    }
+    if before != (studio.hovered_strand, studio.chosen_strand) {
+        // The picture is drawn already.
+        response.ctx.request_repaint();
     }
     if let Some(strand_idx) = under {
         response.clone().on_hover_text_at_pointer(&studio.document.groom.strands[strand_idx].name);
@@ -156,7 +161,7 @@ fn control_points(ui: &Ui, studio: &mut Studio, place: &Place, points: &[[f32; 3
         let fill = if hidden { theme::ACCENT.gamma_multiply(0.35) } else { theme::ACCENT };
         ui.painter().circle(at, radius, fill, Stroke::new(1.5, theme::PAPER));
         if response.drag_started_by(PointerButton::Primary) && !ui.input(|input| input.modifiers.alt) {
-            begin(studio, place, &response, strand_idx, point, at_m);
+            begin(studio, place, grabbed(ui, at), strand_idx, point, at_m);
         }
         go_on(studio, place, &response, strand_idx, point);
         response.on_hover_text(name);
@@ -185,9 +190,8 @@ fn target(ui: &Ui, studio: &mut Studio, place: &Place) {
             target_m,
         };
         let wanted = wanted_again(&layer);
-        let grabbed = response.interact_pointer_pos().unwrap_or(at);
         studio.player.playing = false;
-        studio.drag = Some(Dragging::again(grip, wanted, place.eye, place.pixel(grabbed)));
+        studio.drag = Some(Dragging::again(&grip, wanted, place.eye, place.pixel(grabbed(ui, at))));
     }
     go_on(studio, place, &response, strand_idx, *control_point);
     response.on_hover_text(name);
@@ -201,15 +205,13 @@ fn handle(ui: &Ui, at: Pos2, name: &str) -> Response {
     response
 }
 
+/// Where a handle was grabbed: where the button went down, for the pointer may have moved on since.
+fn grabbed(ui: &Ui, handle: Pos2) -> Pos2 {
+    ui.input(|input| input.pointer.press_origin()).unwrap_or(handle)
+}
+
 /// A control point was grabbed: at this time it shall be elsewhere.
-fn begin(
-    studio: &mut Studio,
-    place: &Place,
-    response: &Response,
-    strand_idx: usize,
-    point: usize,
-    at_m: Vec3,
-) {
+fn begin(studio: &mut Studio, place: &Place, grabbed: Pos2, strand_idx: usize, point: usize, at_m: Vec3) {
     let player = &mut studio.player;
     player.playing = false;
     let (second, frame) = (player.snapped(player.time_secs), 1.0 / player.rate_hz());
@@ -223,7 +225,7 @@ fn begin(
     }
     player.go(second);
     let strand = studio.document.groom.strands[strand_idx].name.clone();
-    let at = place.pixel(response.interact_pointer_pos().unwrap_or(response.rect.center()));
+    let at = place.pixel(grabbed);
     let is_same = |layer: &&tousle_field::FieldLayer| {
         let LayerOrigin::Drag { strand: of, control_point, .. } = &layer.origin;
         *of == strand && *control_point == point && (layer.last_secs - second).abs() < 0.5 * frame
@@ -232,8 +234,8 @@ fn begin(
     let again = studio.shown_layer().filter(is_same).map(wanted_again);
     let grip = Grip { strand_idx, strand, point, keys_secs: [first, second], target_m: at_m };
     studio.drag = Some(match again {
-        Some(wanted) => Dragging::again(grip, wanted, place.eye, at),
-        None => Dragging::new(grip, place.eye, at),
+        Some(wanted) => Dragging::again(&grip, wanted, place.eye, at),
+        None => Dragging::new(&grip, place.eye, at),
     });
 }
 
@@ -241,20 +243,16 @@ fn begin(
 fn go_on(studio: &mut Studio, place: &Place, response: &Response, strand_idx: usize, point: usize) {
     let is_its = |drag: &&mut Dragging| drag.strand_idx == strand_idx && drag.point == point;
     let Some(drag) = studio.drag.as_mut().filter(is_its) else { return };
-    let wanted = if response.dragged() {
-        let Some(at) = response.interact_pointer_pos().filter(|_| response.drag_delta() != Vec2::ZERO) else {
-            return;
-        };
-        drag.move_to(place.pixel(at));
-        (drag.wanted.clone(), None)
-    } else if response.drag_stopped() {
-        let label = drag.wanted.edit.name.to_lowercase();
-        (drag.wanted.clone(), Some(label))
-    } else {
+    let is_done = response.drag_stopped();
+    if !(is_done || response.dragged() && response.drag_delta() != Vec2::ZERO) {
         return;
-    };
-    let is_done = wanted.1.is_some();
-    studio.want(wanted.0, wanted.1);
+    }
+    if let Some(at) = response.ctx.pointer_latest_pos() {
+        drag.move_to(place.pixel(at));
+    }
+    let wanted = drag.wanted.clone();
+    let label = is_done.then(|| wanted.edit.name.to_lowercase());
+    studio.want(wanted, label);
     if is_done {
         studio.drag = None;
         studio.first_key_secs = None;

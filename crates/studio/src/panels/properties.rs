@@ -1,6 +1,7 @@
 //! The chosen edit: its name, keys, reach, ease, and what became of it.
 
-use super::widgets::{heading, muted, number, sign_button};
+use super::sign::{Sign, sign_button};
+use super::widgets::{heading, muted, number};
 use crate::app::Studio;
 use crate::solve::{Wanted, wanted_again};
 use crate::theme;
@@ -97,7 +98,7 @@ fn key_row(
     ui.horizontal(|ui| {
         let value = DragValue::new(secs).range(range).speed(0.5 / studio.player.rate_hz());
         let response = number(ui, name, value.fixed_decimals(2).suffix(" s"));
-        if sign_button(ui, "➡", &format!("Go to the {}", name.to_lowercase())).clicked() {
+        if sign_button(ui, Sign::Go, &format!("Go to the {}", name.to_lowercase())).clicked() {
             studio.player.go(*secs);
         }
         response

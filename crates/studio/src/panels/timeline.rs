@@ -1,7 +1,7 @@
 //! The timeline: playing, scrubbing, and the keys of all edits.
 
 use super::overlay::diamond;
-use super::widgets::sign_button;
+use super::sign::{Sign, sign_button};
 use crate::app::Studio;
 use crate::shortcuts::Command;
 use crate::solve::wanted_again;
@@ -35,6 +35,8 @@ pub fn show(ui: &mut Ui, studio: &mut Studio) {
                 studio.player.playing = false;
                 let time_secs = studio.player.snapped(axis.secs(at.x));
                 studio.player.go(time_secs);
+                // The number above is shown already.
+                ui.ctx().request_repaint();
             }
             let row = ((at.y - rect.top() - RULER) / ROW).floor();
             if let Some(layer) = rows.get(row as usize).filter(|_| response.clicked() && row >= 0.0) {
@@ -80,13 +82,13 @@ impl Axis {
 fn transport(ui: &mut Ui, studio: &mut Studio) {
     ui.horizontal(|ui| {
         let ctx = ui.ctx().clone();
-        let play = if studio.player.playing { ("⏸", "Stop") } else { ("▶", "Play") };
+        let play = if studio.player.playing { (Sign::Stop, "Stop") } else { (Sign::Play, "Play") };
         let buttons = [
-            ("⏮", "To the first frame", Command::ToStart),
-            ("⏴", "One frame back", Command::PreviousFrame),
+            (Sign::First, "To the first frame", Command::ToStart),
+            (Sign::Back, "One frame back", Command::PreviousFrame),
             (play.0, play.1, Command::PlayOrStop),
-            ("⏵", "One frame on", Command::NextFrame),
-            ("⏭", "To the last frame", Command::ToEnd),
+            (Sign::On, "One frame on", Command::NextFrame),
+            (Sign::Last, "To the last frame", Command::ToEnd),
         ];
         for (sign, name, command) in buttons {
             if sign_button(ui, sign, name).clicked() {

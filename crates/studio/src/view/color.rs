@@ -40,7 +40,9 @@ const VIRIDIS: [[f32; 3]; 5] = [
 
 /// The color of a share, 0 to 1.
 pub fn ramp(share: f32) -> Color32 {
-    let place = share.max(0.0).min(1.0) * (VIRIDIS.len() - 1) as f32;
+    // What is no number has the lowest color.
+    let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
+    let place = share * (VIRIDIS.len() - 1) as f32;
     let k = (place as usize).min(VIRIDIS.len() - 2);
     let mix = |c: usize| VIRIDIS[k][c] + (VIRIDIS[k + 1][c] - VIRIDIS[k][c]) * (place - k as f32);
     let [r, g, b] = [mix(0), mix(1), mix(2)].map(|c| (c * 255.0).round() as u8);

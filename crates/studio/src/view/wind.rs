@@ -108,6 +108,7 @@ fn round_up(value: f64) -> f64 {
 }
 
 /// The field at one time, with the stack on it.
+#[derive(Debug)]
 pub struct Wind<'a> {
     field: &'a FieldSequence,
     slice: tousle_field::FieldSlice<'a>,

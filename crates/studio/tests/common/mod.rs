@@ -1,12 +1,12 @@
 //! A small made-up world on the disk, and the studio on it without a display.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
+#![allow(clippy::unwrap_used, dead_code, reason = "a test may panic; not every one needs all of this")]
 
 use eframe::egui;
 use eframe::egui_wgpu::RendererOptions;
+use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
-use egui_kittest::{Harness, TestRenderer};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
@@ -113,7 +113,7 @@ impl Window {
     /// Opens it and waits until the first motion is there.
     pub fn open(files: &Files, size: [f32; 2]) -> Self {
         let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
-        let renderer: Box<dyn TestRenderer> = Box::new(WgpuTestRenderer::from_render_state(state.clone()));
+        let renderer = WgpuTestRenderer::from_render_state(state.clone());
         let mut opened = Some((open(files).unwrap(), files.clone()));
         let harness = Harness::builder()
             .with_size(size)

@@ -55,7 +55,7 @@ fn vertex(@builtin(vertex_index) v: u32, @builtin(instance_index) instance: u32)
         let wave = 0.10 * sin(9.0 * s + 6.2832 * chance);
         let u = cos(angle) * radius + wave;
         let w = sin(angle) * radius;
-        place += (wide * u + outward * w * 0.6) * half * 1.25;
+        place += (wide * u + outward * w * 0.6) * half * 1.5;
         normal = normalize(outward * (0.6 + 0.5 * w) + wide * u * 0.8);
         width = max(0.00022, 0.62 * pixel_at(place)) * mix(1.0, 0.45, smoothstep(0.8, 1.0, along));
     } else {
@@ -94,7 +94,7 @@ fn fragment(in: Out) -> @location(0) vec4f {
     let facing = clamp(0.35 + 0.65 * dot(n, l), 0.08, 1.0);
     let depth = mix(0.45, 1.0, smoothstep(0.0, 0.45, in.across.y));
     var base = mix(vec3f(0.075, 0.037, 0.018), vec3f(0.27, 0.155, 0.078), streak);
-    base = mix(base, vec3f(0.02, 0.36, 0.38) + 0.18 * streak, 0.75 * f32(in.across.w > 0.5 && in.across.w < 1.5));
+    base = mix(base, vec3f(0.03, 0.55, 0.58) + 0.25 * streak, 0.9 * f32(in.across.w > 0.5 && in.across.w < 1.5));
     base = base * select(1.0, 1.9, in.across.w > 1.5);
     let rl = dot(t, to_rim_light());
     let rim = pow(sqrt(max(1.0 - rl * rl, 0.0)), 4.0) * pow(1.0 - abs(dot(n, v)), 2.0);
