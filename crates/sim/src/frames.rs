@@ -11,24 +11,29 @@ pub(crate) fn single(point: Vec3) -> [f32; 3] {
 /// The largest change of any stick's length from the first frame's, as a share of it, over all frames.
 pub fn max_stretch(motion: &StrandMotion) -> f64 {
     let n_points = motion.n_points();
-    let lengths = |frame: &[[f32; 3]]| -> Vec<f64> {
-        let mut lengths = Vec::with_capacity(n_points);
-        let mut strand = frame;
-        for n in &motion.counts {
-            let (points, rest) = strand.split_at(*n);
-            let length =
-                |p: &[[f32; 3]]| (Vec3::from(p[1].map(f64::from)) - Vec3::from(p[0].map(f64::from))).norm();
-            lengths.extend(points.windows(2).map(length));
-            strand = rest;
+    let length2 = |p: &[[f32; 3]], k: usize| {
+        (Vec3::from(p[k + 1].map(f64::from)) - Vec3::from(p[k].map(f64::from))).norm_squared()
+    };
+    // Of the stick that begins at each point; there is none at a tip.
+    let mut per_rest2 = vec![f64::NAN; n_points];
+    let mut first = 0;
+    for n in &motion.counts {
+        for k in first..first + n.saturating_sub(1) {
+            per_rest2[k] = 1.0 / length2(&motion.positions_m, k);
         }
-        lengths
-    };
-    let at_rest = lengths(&motion.positions_m[..n_points]);
+        first += n;
+    }
+    // Least and most of squared lengths; neither hears of a NaN.
     let stretch = |frame: &[[f32; 3]]| {
-        let changes = lengths(frame).into_iter().zip(&at_rest).map(|(now, rest)| (now / rest - 1.0).abs());
-        changes.fold(0.0, f64::max)
+        (0..n_points.saturating_sub(1)).fold((1.0, 1.0), |(least, most), k| {
+            let share = length2(frame, k) * per_rest2[k];
+            (f64::min(least, share), f64::max(most, share))
+        })
     };
-    motion.positions_m.par_chunks_exact(n_points).map(stretch).reduce(|| 0.0, f64::max)
+    let wider = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+    let (least, most) =
+        motion.positions_m.par_chunks_exact(n_points).map(stretch).reduce(|| (1.0, 1.0), wider);
+    f64::max(1.0 - least.sqrt(), most.sqrt() - 1.0)
 }
 
 /// The positions of some strands in all frames, to be filled strand by strand.

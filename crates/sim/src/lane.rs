@@ -2,7 +2,8 @@
 //!
 //! Everything in the method `physical` is written over [`Lane`], so the same lines run for one strand at a time or for
 //! as many as fit the processor's registers. The operations are plain loops over an array that the compiler turns
-//! into vector instructions; no fused operation is used, so every machine gives the same bits.
+//! into vector instructions. Where two are fused it is by [`Lane::mul_add`], which rounds once on every machine, with or
+//! without an instruction for it: so every machine gives the same bits.
 
 mod array;
 mod matrix;
@@ -42,6 +43,9 @@ pub(crate) trait Lane:
 
     /// Sets the number of one strand.
     fn set(&mut self, lane: usize, value: f64);
+
+    /// This times `by` plus `to`, rounded once.
+    fn mul_add(self, by: Self, to: Self) -> Self;
 
     /// The square root.
     fn sqrt(self) -> Self;

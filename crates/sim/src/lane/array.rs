@@ -81,6 +81,14 @@ macro_rules! lane {
             }
 
             #[inline(always)]
+            fn mul_add(mut self, by: Self, to: Self) -> Self {
+                for k in 0..M {
+                    self.0[k] = self.0[k].mul_add(by.0[k], to.0[k]);
+                }
+                self
+            }
+
+            #[inline(always)]
             fn sqrt(mut self) -> Self {
                 for a in &mut self.0 {
                     *a = a.sqrt();

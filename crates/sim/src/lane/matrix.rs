@@ -42,48 +42,60 @@ impl<L: Lane> Symmetric<L> {
     #[inline(always)]
     pub fn add_outer(&mut self, v: Vector<L>, s: L) {
         let sv = v * s;
-        self.xx += sv.x * v.x;
-        self.xy += sv.x * v.y;
-        self.xz += sv.x * v.z;
-        self.yy += sv.y * v.y;
-        self.yz += sv.y * v.z;
-        self.zz += sv.z * v.z;
+        self.xx = sv.x.mul_add(v.x, self.xx);
+        self.xy = sv.x.mul_add(v.y, self.xy);
+        self.xz = sv.x.mul_add(v.z, self.xz);
+        self.yy = sv.y.mul_add(v.y, self.yy);
+        self.yz = sv.y.mul_add(v.z, self.yz);
+        self.zz = sv.z.mul_add(v.z, self.zz);
+    }
+
+    /// Adds another.
+    #[inline(always)]
+    pub fn add(&mut self, o: &Self) {
+        self.xx += o.xx;
+        self.xy += o.xy;
+        self.xz += o.xz;
+        self.yy += o.yy;
+        self.yz += o.yz;
+        self.zz += o.zz;
     }
 
     /// Adds s times another.
     #[inline(always)]
     pub fn add_scaled(&mut self, o: &Self, s: L) {
-        self.xx += o.xx * s;
-        self.xy += o.xy * s;
-        self.xz += o.xz * s;
-        self.yy += o.yy * s;
-        self.yz += o.yz * s;
-        self.zz += o.zz * s;
+        self.xx = o.xx.mul_add(s, self.xx);
+        self.xy = o.xy.mul_add(s, self.xy);
+        self.xz = o.xz.mul_add(s, self.xz);
+        self.yy = o.yy.mul_add(s, self.yy);
+        self.yz = o.yz.mul_add(s, self.yz);
+        self.zz = o.zz.mul_add(s, self.zz);
     }
 
     #[inline(always)]
     pub fn mul_vector(&self, v: Vector<L>) -> Vector<L> {
         Vector::new(
-            self.xx * v.x + self.xy * v.y + self.xz * v.z,
-            self.xy * v.x + self.yy * v.y + self.yz * v.z,
-            self.xz * v.x + self.yz * v.y + self.zz * v.z,
+            self.xx.mul_add(v.x, self.xy.mul_add(v.y, self.xz * v.z)),
+            self.xy.mul_add(v.x, self.yy.mul_add(v.y, self.yz * v.z)),
+            self.xz.mul_add(v.x, self.yz.mul_add(v.y, self.zz * v.z)),
         )
     }
 
     /// The inverse of a positive definite matrix, by cofactors.
     #[inline(always)]
     pub fn inverse(&self) -> Self {
-        let cxx = self.yy * self.zz - self.yz * self.yz;
-        let cxy = self.xz * self.yz - self.xy * self.zz;
-        let cxz = self.xy * self.yz - self.xz * self.yy;
-        let one_over = L::one() / (self.xx * cxx + self.xy * cxy + self.xz * cxz);
+        let minor = |a: L, b: L, c: L, d: L| a.mul_add(b, -(c * d));
+        let cxx = minor(self.yy, self.zz, self.yz, self.yz);
+        let cxy = minor(self.xz, self.yz, self.xy, self.zz);
+        let cxz = minor(self.xy, self.yz, self.xz, self.yy);
+        let one_over = L::one() / self.xx.mul_add(cxx, self.xy.mul_add(cxy, self.xz * cxz));
         Self {
             xx: cxx * one_over,
             xy: cxy * one_over,
             xz: cxz * one_over,
-            yy: (self.xx * self.zz - self.xz * self.xz) * one_over,
-            yz: (self.xy * self.xz - self.xx * self.yz) * one_over,
-            zz: (self.xx * self.yy - self.xy * self.xy) * one_over,
+            yy: minor(self.xx, self.zz, self.xz, self.xz) * one_over,
+            yz: minor(self.xy, self.xz, self.xx, self.yz) * one_over,
+            zz: minor(self.xx, self.yy, self.xy, self.xy) * one_over,
         }
     }
 
@@ -112,7 +124,7 @@ impl<L: Lane> Matrix<L> {
     /// The transpose times a vector.
     #[inline(always)]
     pub fn transpose_mul(&self, v: Vector<L>) -> Vector<L> {
-        self.x * v.x + self.y * v.y + self.z * v.z
+        self.x.mul_add(v.x, self.y.mul_add(v.y, self.z * v.z))
     }
 
     /// This times a symmetric matrix.
@@ -133,6 +145,12 @@ impl<L: Lane> Matrix<L> {
         Self { x: self.x + o.x, y: self.y + o.y, z: self.z + o.z }
     }
 
+    /// This times a number plus another.
+    #[inline(always)]
+    pub fn mul_add(&self, s: L, o: &Self) -> Self {
+        Self { x: self.x.mul_add(s, o.x), y: self.y.mul_add(s, o.y), z: self.z.mul_add(s, o.z) }
+    }
+
     #[inline(always)]
     pub fn scale(&self, s: L) -> Self {
         Self { x: self.x * s, y: self.y * s, z: self.z * s }
@@ -151,7 +169,7 @@ impl<L: Lane> Symmetric<L> {
             xz: x.z,
             yy: y.y,
             yz: y.z,
-            zz: s * (self.xz * o.xz + self.yz * o.yz + self.zz * o.zz),
+            zz: s * self.xz.mul_add(o.xz, self.yz.mul_add(o.yz, self.zz * o.zz)),
         }
     }
 
@@ -169,12 +187,15 @@ impl<L: Lane> Symmetric<L> {
     /// Takes off a bᵀ, for two whose product is symmetric.
     #[inline(always)]
     pub fn subtract_product(&mut self, a: &Matrix<L>, b: &Matrix<L>) {
-        self.xx -= a.x.dot(b.x);
-        self.xy -= a.x.dot(b.y);
-        self.xz -= a.x.dot(b.z);
-        self.yy -= a.y.dot(b.y);
-        self.yz -= a.y.dot(b.z);
-        self.zz -= a.z.dot(b.z);
+        let less = |from: L, a: Vector<L>, b: Vector<L>| {
+            (-a.x).mul_add(b.x, (-a.y).mul_add(b.y, (-a.z).mul_add(b.z, from)))
+        };
+        self.xx = less(self.xx, a.x, b.x);
+        self.xy = less(self.xy, a.x, b.y);
+        self.xz = less(self.xz, a.x, b.z);
+        self.yy = less(self.yy, a.y, b.y);
+        self.yz = less(self.yz, a.y, b.z);
+        self.zz = less(self.zz, a.z, b.z);
     }
 }
 
@@ -183,9 +204,9 @@ impl<L: Lane> Matrix<L> {
     #[inline(always)]
     pub fn lever_mul(&self, d: Vector<L>) -> Self {
         Self {
-            x: self.z * d.y - self.y * d.z,
-            y: self.x * d.z - self.z * d.x,
-            z: self.y * d.x - self.x * d.y,
+            x: self.z.mul_add(d.y, -(self.y * d.z)),
+            y: self.x.mul_add(d.z, -(self.z * d.x)),
+            z: self.y.mul_add(d.x, -(self.x * d.y)),
         }
     }
 }

@@ -16,7 +16,7 @@ impl<L: Lane> Turn<L> {
     /// This after another.
     #[inline(always)]
     pub fn after(self, o: Self) -> Self {
-        Self { w: self.w * o.w - self.v.dot(o.v), v: o.v * self.w + self.v * o.w + self.v.cross(o.v) }
+        Self { w: self.w.mul_add(o.w, -self.v.dot(o.v)), v: o.v.mul_add(self.w, self.v.mul_add(o.w, self.v.cross(o.v))) }
     }
 
     #[inline(always)]
@@ -27,7 +27,7 @@ impl<L: Lane> Turn<L> {
     #[inline(always)]
     pub fn rotate(self, a: Vector<L>) -> Vector<L> {
         let t = self.v.cross(a) * L::splat(2.0);
-        a + t * self.w + self.v.cross(t)
+        t.mul_add(self.w, a) + self.v.cross(t)
     }
 
     /// Where the x axis goes.
@@ -35,7 +35,11 @@ impl<L: Lane> Turn<L> {
     pub fn x_axis(self) -> Vector<L> {
         let two = L::splat(2.0);
         let Vector { x, y, z } = self.v;
-        Vector::new(L::one() - two * (y * y + z * z), two * (x * y + self.w * z), two * (x * z - self.w * y))
+        Vector::new(
+            (-two).mul_add(y.mul_add(y, z * z), L::one()),
+            two * x.mul_add(y, self.w * z),
+            two * x.mul_add(z, -(self.w * y)),
+        )
     }
 
     /// This where `of` is above `bound`, else another.
@@ -46,14 +50,14 @@ impl<L: Lane> Turn<L> {
 
     #[inline(always)]
     pub fn normalized(self) -> Self {
-        let per_norm = L::one() / (self.w * self.w + self.v.norm_squared()).sqrt();
+        let per_norm = L::one() / self.w.mul_add(self.w, self.v.norm_squared()).sqrt();
         Self { w: self.w * per_norm, v: self.v * per_norm }
     }
 
-    /// The turn by 2 arctan(|b|/2) about b: by b itself if b is small, never by more than half a turn.
+    /// This after the turn by 2 arctan(|b|/2) about b: by b itself if b is small, never by more than half a turn.
     #[inline(always)]
-    pub fn cayley(b: Vector<L>) -> Self {
-        Self { w: L::one(), v: b * L::splat(0.5) }.normalized()
+    pub fn turned(self, b: Vector<L>) -> Self {
+        Self { w: L::one(), v: b * L::splat(0.5) }.after(self).normalized()
     }
 
     /// Four times the tangent of a quarter of the angle, along the axis (Wiener and Milenkovic): close to the rotation

@@ -52,12 +52,23 @@ impl<L: Lane> Vector<L> {
 
     #[inline(always)]
     pub fn dot(self, o: Self) -> L {
-        self.x * o.x + self.y * o.y + self.z * o.z
+        self.x.mul_add(o.x, self.y.mul_add(o.y, self.z * o.z))
     }
 
     #[inline(always)]
     pub fn cross(self, o: Self) -> Self {
-        Self::new(self.y * o.z - self.z * o.y, self.z * o.x - self.x * o.z, self.x * o.y - self.y * o.x)
+        let minor = |a: L, b: L, c: L, d: L| a.mul_add(b, -(c * d));
+        Self::new(
+            minor(self.y, o.z, self.z, o.y),
+            minor(self.z, o.x, self.x, o.z),
+            minor(self.x, o.y, self.y, o.x),
+        )
+    }
+
+    /// This times a number plus another.
+    #[inline(always)]
+    pub fn mul_add(self, by: L, to: Self) -> Self {
+        Self::new(self.x.mul_add(by, to.x), self.y.mul_add(by, to.y), self.z.mul_add(by, to.z))
     }
 
     #[inline(always)]

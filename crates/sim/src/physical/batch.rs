@@ -52,6 +52,9 @@ pub(crate) struct Batch<L> {
     pub touchable: Vec<Touchable<L>>,
     /// Spring of a contact, N/m.
     pub contact_stiffness: L,
+    /// How much smaller an iteration's second update is than its first, squared, as it last was; it grows from step to
+    /// step until it is measured again.
+    pub contraction2: L,
     /// Whether nothing has moved yet.
     pub at_rest: bool,
     pub count: Count,

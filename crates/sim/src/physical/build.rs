@@ -117,6 +117,7 @@ pub(crate) fn build<L: Lane>(strands: &[(usize, &Prepared)], law: &DragLaw, n_co
         states,
         touchable,
         contact_stiffness: L::from_fn(|lane| contact_stiffness(&of(lane).lock)),
+        contraction2: L::one(),
         at_rest: true,
         count: Count::default(),
     }
@@ -152,6 +153,7 @@ fn state_at_rest<'a, L: Lane>(stick: usize, of: &impl Fn(usize) -> &'a Prepared)
     State {
         turn,
         turn_before: turn,
+        turn_long_before: turn,
         place,
         place_before: place,
         velocity: Vector::zero(),

@@ -18,8 +18,19 @@ pub(crate) struct Touchable<L> {
     /// How far each point has slid from where the surface would hold it without effort, m, head axes: friction is the
     /// spring that pulls it back.
     pub slips: Vec<Vector<L>>,
-    /// Sticks whose ends may touch in this step, with their limits; minus infinity for strands whose own may not.
-    pub near: Vec<(usize, L)>,
+    /// The ends of sticks that may touch in this step.
+    pub near: Vec<Near<L>>,
+}
+
+/// The end of a stick that may touch in a step.
+#[derive(Clone, Debug)]
+pub(crate) struct Near<L> {
+    pub stick: usize,
+    /// As in [`Touchable::limits_m`]; minus infinity for strands whose own may not touch in this step.
+    limit_m: L,
+    /// Where it was felt last, m, and what the surface did to it there.
+    place: Vector<L>,
+    pub bearing: Bearing<L>,
 }
 
 /// A surface and how it moves, ready for a step.
@@ -46,7 +57,8 @@ pub(crate) struct Firmness<L> {
 }
 
 /// What a surface does to a point: the gradient of its potential and its second derivative.
-pub(super) struct Bearing<L> {
+#[derive(Clone, Debug)]
+pub(crate) struct Bearing<L> {
     /// Force outwards, N.
     pub push: L,
     /// How far it has slid then ([`Touchable::slips`]).
@@ -105,14 +117,9 @@ impl<L: Lane> Touchable<L> {
     #[inline(always)]
     pub fn look(&mut self, surface: &Surface, places: impl Iterator<Item = Vector<L>>, margin_m: L) {
         self.near.clear();
-        for (stick, (place, limit)) in places.zip(&self.limits_m).enumerate() {
-            let (gap, _) = gaps(surface, place);
-            let room = gap - *limit - margin_m;
-            let never = L::splat(f64::NEG_INFINITY);
-            // A NaN counts as near.
-            let smallest = room.smallest();
-            if smallest <= 0.0 || smallest.is_nan() {
-                self.near.push((stick, room.above(L::zero(), never, *limit)));
+        for (stick, place) in places.enumerate() {
+            if let Some(limit_m) = self.limit_within(surface, stick, place, margin_m) {
+                self.near.push(Near { stick, limit_m, place, bearing: Bearing::none() });
             } else {
                 self.pushes[stick] = L::zero();
                 self.slips[stick] = Vector::zero();
@@ -120,21 +127,75 @@ impl<L: Lane> Touchable<L> {
         }
     }
 
-    /// Keeps what friction goes by in the next step. `at`: place and velocity of a stick's end at this one's end.
+    /// Finds more of them in the same step.
     #[inline(always)]
-    pub fn remember(
+    pub fn look_again(
+        &mut self,
+        surface: &Surface,
+        places: impl Iterator<Item = Vector<L>>,
+        margin_m: L,
+    ) {
+        for (stick, place) in places.enumerate() {
+            if let Some(limit_m) = self.limit_within(surface, stick, place, margin_m) {
+                match self.near.iter_mut().find(|near| near.stick == stick) {
+                    Some(near) => near.limit_m = near.limit_m.max(limit_m),
+                    None => self.near.push(Near { stick, limit_m, place, bearing: Bearing::none() }),
+                }
+            }
+        }
+    }
+
+    /// [`Near::limit_m`] of a point, if it is within `margin_m` of it for any strand.
+    #[inline(always)]
+    fn limit_within(&self, surface: &Surface, stick: usize, place: Vector<L>, margin_m: L) -> Option<L> {
+        let limit_m = self.limits_m[stick];
+        let (gap, _) = gaps(surface, place);
+        let room = gap - limit_m - margin_m;
+        // A NaN counts as near.
+        let smallest = room.smallest();
+        let is_near = smallest <= 0.0 || smallest.is_nan();
+        is_near.then(|| room.above(L::zero(), L::splat(f64::NEG_INFINITY), limit_m))
+    }
+
+    /// What the surface does to all that may touch. `at`: place and velocity of a stick's end.
+    ///
+    /// Out: the square of the farthest that any point of each strand would be off if the surface did what the last call's
+    /// forces and derivatives let expect, m²: by how much the force is another, over the spring of a contact.
+    #[inline(always)]
+    pub fn feel(
         &mut self,
         model: &Model,
         moving: &MovingSurface,
         at: impl Fn(usize) -> (Vector<L>, Vector<L>),
         firmness: Firmness<L>,
-    ) {
-        for k in 0..self.near.len() {
-            let near = self.near[k];
-            let bearing = bear(model, self, near, moving, at(near.0), firmness);
-            self.pushes[near.0] = bearing.push;
-            self.slips[near.0] = bearing.slip;
+    ) -> L {
+        let mut off2 = L::zero();
+        for near in &mut self.near {
+            let history = (self.pushes[near.stick], self.slips[near.stick]);
+            let (place, velocity) = at(near.stick);
+            let bearing = bear(model, near.limit_m, history, moving, (place, velocity), firmness);
+            let way = place - near.place;
+            let off = bearing.slope - near.bearing.slope - near.bearing.hessian.mul_vector(way);
+            off2 = off2.max(off.norm_squared());
+            near.place = place;
+            near.bearing = bearing;
         }
+        off2 / (firmness.stiffness * firmness.stiffness)
+    }
+
+    /// Keeps what friction goes by in the next step, as it was felt last.
+    pub fn remember(&mut self) {
+        for near in &self.near {
+            self.pushes[near.stick] = near.bearing.push;
+            self.slips[near.stick] = near.bearing.slip;
+        }
+    }
+}
+
+impl<L: Lane> Bearing<L> {
+    fn none() -> Self {
+        let o = Vector::zero();
+        Self { push: L::zero(), slip: o, slope: o, hessian: Symmetric::zero() }
     }
 }
 
@@ -143,16 +204,19 @@ impl<L: Lane> Touchable<L> {
 /// Friction is elastic up to Coulomb's limit and plastic beyond, as in bristle models (Dahl 1968, "A solid friction
 /// model"): what is held stays where it is for ever, and what hangs on it from the start is in balance.
 #[inline(always)]
-pub(super) fn bear<L: Lane>(
+fn bear<L: Lane>(
     model: &Model,
-    touchable: &Touchable<L>,
-    (stick, limit_m): (usize, L),
+    limit_m: L,
+    (push_before, slip_before): (L, Vector<L>),
     moving: &MovingSurface,
     (place, velocity): (Vector<L>, Vector<L>),
     Firmness { stiffness, per_h, dt }: Firmness<L>,
 ) -> Bearing<L> {
     let (gap, normal) = gaps(&moving.surface, place);
     let depth = (limit_m - gap).max(L::zero());
+    if depth.largest() <= 0.0 {
+        return Bearing::none();
+    }
     let fringe = L::splat(FRINGE_M);
     let soft = depth.min(fringe);
     let spring = (soft * soft * L::splat(0.5 / FRINGE_M) + (depth - soft)) * stiffness;
@@ -163,7 +227,10 @@ pub(super) fn bear<L: Lane>(
     let leaving = relative.dot(normal);
     let dashpot = stiffness * share * L::splat(2.0 / CONTACT_RATE);
     let push = (spring - dashpot * leaving).max(L::zero());
-    let rise = push.above(L::zero(), stiffness * share + dashpot * per_h, L::zero());
+    // In the fringe the dashpot grows with the depth. What comes is met by it; what leaves is not let go for it.
+    let stiffens = (fringe - depth).above(L::zero(), stiffness * L::splat(2.0 / CONTACT_RATE / FRINGE_M), L::zero());
+    let rise = (-leaving).max(L::zero()).mul_add(stiffens, stiffness * share + dashpot * per_h);
+    let rise = push.above(L::zero(), rise, L::zero());
     let mut hessian = Symmetric::zero();
     let mut slope = -(normal * push);
     if model.friction == 0.0 {
@@ -171,11 +238,10 @@ pub(super) fn bear<L: Lane>(
         return Bearing { push, slip: Vector::zero(), slope, hessian };
     }
     // The limit goes by the push a step ago, so that friction does not wait for a push that waits for it.
-    let held = depth.above(L::zero(), touchable.pushes[stick], L::zero());
+    let held = depth.above(L::zero(), push_before, L::zero());
     let limit = held * L::splat(model.friction) / stiffness;
     let along = relative - normal * leaving;
-    let before = touchable.slips[stick];
-    let slip = before - normal * before.dot(normal) + along * dt;
+    let slip = slip_before - normal * slip_before.dot(normal) + along * dt;
     let pull = slip + along * L::splat(RUB_SECS);
     let tiny = L::splat(1e-12);
     let share = (limit / pull.norm_squared().sqrt().max(tiny)).min(L::one());

@@ -13,14 +13,14 @@ pub(super) struct Push<L> {
 #[inline(always)]
 pub(super) fn push<L: Lane>(link: &Link<L>, along: L, direction: Vector<L>, wind: Vector<L>) -> Push<L> {
     let speed_along = wind.dot(direction);
-    let across = wind - direction * speed_along;
+    let across = direction.mul_add(-speed_along, wind);
     let speed2 = across.norm_squared();
     let speed = speed2.sqrt();
     let inertial = link.drag * speed;
     let viscous = link.drag * link.viscous * speed.cbrt();
     let resistance = inertial + viscous;
     let skin = link.drag * along * speed_along.max(-speed_along);
-    let force = across * resistance + direction * (skin * speed_along);
+    let force = across.mul_add(resistance, direction * (skin * speed_along));
     // d(K u)/du = K + (u² and u^4/3 rise faster than u by 1 and a third); nothing of it in still air.
     let windward = (inertial + viscous * L::splat(1.0 / 3.0)) / speed2.max(L::splat(1e-12));
     let mut slope = Symmetric::scaled_identity(resistance);

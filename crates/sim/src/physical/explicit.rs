@@ -4,7 +4,7 @@
 //! solved by the sweeps of [`super::newton`], with masses where an implicit step has derivatives.
 
 use super::batch::{Batch, Model};
-use super::contact::{Firmness, bear};
+use super::contact::Firmness;
 use super::drag::push;
 use super::link::Work;
 use super::newton::{bend_joints, place_sticks, sweep_inwards, sweep_outwards};
@@ -50,7 +50,7 @@ impl<L: Lane> Swing<L> {
 fn turned<L: Lane>(turn: Turn<L>, by: Vector<L>) -> Turn<L> {
     // 2 tan(θ/2) = θ (1 + θ²/12 + …)
     let scale = L::one() + by.norm_squared() * L::splat(1.0 / 12.0);
-    Turn::cayley(by * scale).after(turn).normalized()
+    turn.turned(by * scale)
 }
 
 impl<L: Lane> Batch<L> {
@@ -186,11 +186,11 @@ impl<L: Lane> Batch<L> {
         for touchable in &mut self.touchable {
             let moving = &now.surfaces[touchable.collider];
             touchable.look(&moving.surface, work.iter().map(|w| w.place), L::zero());
-            for &near in &touchable.near {
-                let work = &mut work[near.0];
-                let bearing = bear(model, touchable, near, moving, (work.place, work.drifting), firmness);
-                work.slope += bearing.slope;
-                work.hessian.add_scaled(&bearing.hessian, later);
+            touchable.feel(model, moving, |stick| (work[stick].place, work[stick].drifting), firmness);
+            for near in &touchable.near {
+                let work = &mut work[near.stick];
+                work.slope += near.bearing.slope;
+                work.hessian.add_scaled(&near.bearing.hessian, later);
             }
         }
     }
@@ -200,7 +200,8 @@ impl<L: Lane> Batch<L> {
         let firmness = Firmness { stiffness: self.contact_stiffness, per_h: L::one(), dt: L::splat(dt_secs) };
         for touchable in &mut self.touchable {
             let moving = &now.surfaces[touchable.collider];
-            touchable.remember(model, moving, |stick| (work[stick].place, work[stick].drifting), firmness);
+            touchable.feel(model, moving, |stick| (work[stick].place, work[stick].drifting), firmness);
+            touchable.remember();
         }
         for (work, turn) in work.iter_mut().zip(&swing.turns) {
             work.turn = *turn;

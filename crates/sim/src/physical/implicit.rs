@@ -1,7 +1,8 @@
 //! Implicit steps: a multistep formula, and Newton's method for what it asks.
 
 use super::batch::{Batch, Model};
-use super::link::Work;
+use super::contact::Touchable;
+use super::link::{State, Work};
 use super::newton::{Weights, bend_joints, place_sticks, sweep_inwards, sweep_outwards};
 use super::scene::{Carry, Now};
 use crate::lane::{Lane, Turn, Vector};
@@ -46,16 +47,24 @@ const MAX_ITERATIONS: usize = 40;
 /// shares of the way only.
 const fn share_of_way(iteration: usize) -> f64 {
     match iteration {
-        0..6 => 1.0,
-        6..14 => 0.5,
+        0..4 => 1.0,
+        4..12 => 0.5,
         _ => 0.25,
     }
 }
 
+/// What a measured contraction is multiplied by, squared, for doubt: twice; the least that is foretold; and what it
+/// grows by with every step that does not measure it. If these fall, more steps take a single iteration and more is left
+/// over by it. Where nothing touches, second updates are a hundredth of the first ones.
+const DOUBT2: f64 = 4.0;
+const BEST_CONTRACTION2: f64 = 4e-4;
+const FORGOTTEN2: f64 = 1.2;
+
 /// Points whose wind is asked for at once.
 const SAMPLED_TOGETHER: usize = 64;
 
-/// A contact is looked for as far as a point may come in a step, m: this much and twice its present way.
+/// A contact is looked for within as much, m, and a quarter of the way from the last step's end to the first guess. Should
+/// an iteration go farther from the guess, it is looked for again.
 const LOOK_M: f64 = 5e-3;
 
 impl<L: Lane> Batch<L> {
@@ -82,18 +91,25 @@ impl<L: Lane> Batch<L> {
         self.prepare(work, &weights, formula);
         place_sticks(self.root, &self.links, work);
         self.feel_wind(work, model, now);
-        self.look_for_contacts(work, now);
         self.settle(work, model, now, &weights);
-        self.finish(work, model, now, &weights);
+        self.finish(work, &weights);
     }
 
-    /// Newton's method, each strand until it has settled.
+    /// Newton's method, each strand until it has settled: until another update would be smaller than the tolerance.
+    ///
+    /// The next update is foretold: by how much smaller the last one was than the one before, and for the first by how
+    /// much smaller the second was in an earlier step. What surfaces do other than was foretold is known, and counts too.
     #[inline(always)]
     fn settle(&mut self, work: &mut [Work<L>], model: &Model, now: &Now<'_>, weights: &Weights<L>) {
         let tolerance_m = model.settled_m(weights.h.get(0));
         let tolerance2 = L::splat(tolerance_m * tolerance_m);
         // 1 for a strand that still moves, 0 for one that has settled, whatever its neighbors in the batch do.
         let mut active = L::one();
+        let mut moved2_before = L::zero();
+        let mut contraction2 = self.contraction2;
+        self.contraction2 = (self.contraction2 * L::splat(FORGOTTEN2)).min(L::one());
+        let mut room_m = self.look_for_contacts(work, now, false);
+        self.feel_contacts(work, model, now, weights);
         for iteration in 0..MAX_ITERATIONS {
             bend_joints(self.root_turn, work);
             self.load_points(work, model, now, weights);
@@ -101,12 +117,27 @@ impl<L: Lane> Batch<L> {
             let way = active * L::splat(share_of_way(iteration));
             let moved2 = sweep_outwards(&self.links, work);
             for work in &mut *work {
-                let turned = Turn::cayley(work.offset * way).after(work.turn).normalized();
+                let turned = work.turn.turned(work.offset * way);
                 work.turn = turned.where_above(way, L::zero(), work.turn);
             }
             place_sticks(self.root, &self.links, work);
+            room_m -= moved2.sqrt() * way;
+            if room_m.smallest() < 0.0 {
+                room_m = self.look_for_contacts(work, now, true);
+            }
+            let off2 = self.feel_contacts(work, model, now, weights);
             self.count.iterations += 1;
-            active = moved2.above(tolerance2, active, L::zero());
+            if iteration > 0 {
+                let measured2 = (moved2 / moved2_before.max(L::splat(1e-30)) * L::splat(DOUBT2))
+                    .max(L::splat(BEST_CONTRACTION2))
+                    .min(L::one());
+                contraction2 = if share_of_way(iteration) < 1.0 { L::one() } else { measured2 };
+                if iteration == 1 {
+                    self.contraction2 = active.above(L::zero(), measured2, self.contraction2);
+                }
+            }
+            moved2_before = moved2;
+            active = (moved2 * contraction2).max(off2).above(tolerance2, active, L::zero());
             if active.largest() <= 0.0 {
                 return;
             }
@@ -129,6 +160,7 @@ impl<L: Lane> Batch<L> {
         for state in &mut self.states {
             state.turn = turn.after(state.turn);
             state.turn_before = turn.after(state.turn_before);
+            state.turn_long_before = turn.after(state.turn_long_before);
             state.place = turn.rotate(state.place) + shift;
             state.place_before = turn.rotate(state.place_before) + shift;
             state.velocity = turn.rotate(state.velocity);
@@ -153,7 +185,7 @@ impl<L: Lane> Batch<L> {
             let damping = link.stiffness * link.damping_secs * weights.per_h;
             work.stiffness = link.stiffness + damping;
             work.natural = link.natural + (state.bend * now + state.bend_before * before) * damping;
-            work.turn = go_on(state.turn, state.turn_before);
+            work.turn = go_on(state);
         }
     }
 
@@ -203,34 +235,31 @@ impl<L: Lane> Batch<L> {
         }
     }
 
-    /// Finds the points that may touch in this step.
+    /// Finds the points that may touch in this step, or more of them. Out: within how much of the places, m.
     #[inline(always)]
-    fn look_for_contacts(&mut self, work: &[Work<L>], now: &Now<'_>) {
-        if self.touchable.is_empty() {
-            return;
+    fn look_for_contacts(&mut self, work: &[Work<L>], now: &Now<'_>, again: bool) -> L {
+        let mut way2 = L::zero();
+        for (state, work) in self.states.iter().zip(work) {
+            way2 = way2.max((work.place - state.place).norm_squared());
         }
-        let way2 = self
-            .states
-            .iter()
-            .zip(work)
-            .fold(L::zero(), |way2, (state, work)| way2.max((work.place - state.place).norm_squared()));
-        let margin_m = L::splat(LOOK_M) + way2.sqrt() * L::splat(2.0);
+        let margin_m = way2.sqrt().mul_add(L::splat(0.25), L::splat(LOOK_M));
         for touchable in &mut self.touchable {
             let surface = &now.surfaces[touchable.collider].surface;
-            touchable.look(surface, work.iter().map(|w| w.place), margin_m);
+            if again {
+                touchable.look_again(surface, work.iter().map(|w| w.place), margin_m);
+            } else {
+                touchable.look(surface, work.iter().map(|w| w.place), margin_m);
+            }
         }
+        margin_m
     }
 
     #[inline(always)]
-    fn finish(&mut self, work: &[Work<L>], model: &Model, now: &Now<'_>, weights: &Weights<L>) {
-        let firmness = self.firmness(weights);
-        for touchable in &mut self.touchable {
-            let moving = &now.surfaces[touchable.collider];
-            let velocity = |work: &Work<L>| (work.place - work.from) * weights.per_h;
-            touchable.remember(model, moving, |stick| (work[stick].place, velocity(&work[stick])), firmness);
-        }
+    fn finish(&mut self, work: &[Work<L>], weights: &Weights<L>) {
+        self.touchable.iter_mut().for_each(Touchable::remember);
         let mut before = self.root_turn;
         for (state, work) in self.states.iter_mut().zip(work) {
+            state.turn_long_before = state.turn_before;
             state.turn_before = state.turn;
             state.turn = work.turn;
             state.place_before = state.place;
@@ -246,10 +275,14 @@ impl<L: Lane> Batch<L> {
 
 /// A stick goes on turning as it did, if that is not far (some 30° a step).
 #[inline(always)]
-fn go_on<L: Lane>(now: Turn<L>, before: Turn<L>) -> Turn<L> {
-    let two = L::splat(2.0);
+fn go_on<L: Lane>(state: &State<L>) -> Turn<L> {
+    let (now, before, long_before) = (state.turn, state.turn_before, state.turn_long_before);
     let alike = now.w * before.w + now.v.dot(before.v);
     let near = L::splat(0.97);
-    let guess = Turn { w: now.w * two - before.w, v: now.v * two - before.v };
+    let three = L::splat(3.0);
+    let guess = Turn {
+        w: (now.w - before.w).mul_add(three, long_before.w),
+        v: (now.v - before.v).mul_add(three, long_before.v),
+    };
     guess.where_above(alike, near, now).normalized()
 }

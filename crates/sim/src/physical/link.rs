@@ -25,9 +25,10 @@ pub(crate) struct Link<L> {
 /// Where a stick and its far point are, and where they were.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State<L> {
-    /// Stick axes (x along it) to head axes, now and a step ago.
+    /// Stick axes (x along it) to head axes, now, a step and two steps ago.
     pub turn: Turn<L>,
     pub turn_before: Turn<L>,
+    pub turn_long_before: Turn<L>,
     /// The far point, head space, m, now and a step ago.
     pub place: Vector<L>,
     pub place_before: Vector<L>,

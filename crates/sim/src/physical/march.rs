@@ -151,7 +151,7 @@ impl March<'_> {
         for begin in (start..end).step_by(block) {
             let steps = begin..(begin + block).min(end);
             let worlds: Vec<World<'_>> = steps.clone().map(|step| self.world(step, together)).collect();
-            let blocks: Vec<Vec<Vec<[f32; 3]>>> = batches
+            let blocks: Vec<Vec<[f32; 3]>> = batches
                 .par_iter_mut()
                 .map_init(Vec::new, |work, batch| {
                     let frames = self.move_batch(batch, work, begin, &worlds);
@@ -162,8 +162,8 @@ impl March<'_> {
                 .collect();
             let frame = begin / timeline.steps_per_frame + 1;
             for (batch, block) in batches.iter().zip(blocks) {
-                for (k, points) in block.into_iter().enumerate() {
-                    put(frame + k, batch, &points);
+                for (k, points) in block.chunks_exact(self.n_points(batch)).enumerate() {
+                    put(frame + k, batch, points);
                 }
             }
         }
@@ -176,7 +176,7 @@ impl March<'_> {
         work: &mut Vec<Work<L>>,
         begin: usize,
         worlds: &[World<'_>],
-    ) -> Vec<Vec<[f32; 3]>> {
+    ) -> Vec<[f32; 3]> {
         batch.make_room(work);
         let arch = pulp::Arch::new();
         let dt_secs = self.timeline.dt_secs();
@@ -184,11 +184,12 @@ impl March<'_> {
             Integrator::ImplicitEuler => Formula::euler(dt_secs),
             _ => Formula::bdf2(dt_secs, dt_secs),
         };
-        let mut frames = Vec::new();
+        let n_frames = worlds.len() / self.timeline.steps_per_frame + 1;
+        let mut frames = Vec::with_capacity(n_frames * self.n_points(batch));
         for (k, world) in worlds.iter().enumerate() {
             arch.dispatch(ImplicitStep { batch, work, model: &self.model, world, formula });
             if (begin + k + 1).is_multiple_of(self.timeline.steps_per_frame) {
-                frames.push(self.points(batch));
+                self.put_points(batch, &mut frames);
             }
         }
         frames
@@ -234,23 +235,23 @@ impl March<'_> {
         let mut batches = self.batches::<Wide1>();
         let done = AtomicU64::new(0);
         let total = (batches.len() * (n_frames - 1)) as u64;
-        let moved: Vec<Vec<Vec<[f32; 3]>>> = batches
+        let moved: Vec<Vec<[f32; 3]>> = batches
             .par_iter_mut()
             .map_init(Vec::new, |work, batch| {
                 batch.make_room(work);
                 let mut kept = None;
-                let mut points = Vec::with_capacity(n_frames);
+                let mut points = Vec::with_capacity((n_frames - 1) * self.n_points(batch));
                 for frame in 1..n_frames {
                     to_frame(batch, work, frame, &mut kept);
                     self.progress.at(done.fetch_add(1, Ordering::Relaxed) + 1, total);
-                    points.push(self.points(batch));
+                    self.put_points(batch, &mut points);
                 }
                 points
             })
             .collect();
         for (batch, strand_frames) in batches.iter().zip(moved) {
-            for (k, points) in strand_frames.into_iter().enumerate() {
-                frames.put(k + 1, &batch.strands, &points);
+            for (k, points) in strand_frames.chunks_exact(self.n_points(batch)).enumerate() {
+                frames.put(k + 1, &batch.strands, points);
             }
         }
         let count = batches.iter().fold(Count::default(), |sum, b| sum.and(b.count));
@@ -270,12 +271,24 @@ impl March<'_> {
         batches
     }
 
-    /// The points of a batch's strands, strand after strand, roots left out.
+    /// Points of a batch's strands, roots left out.
+    fn n_points<L: Lane>(&self, batch: &Batch<L>) -> usize {
+        batch.strands.iter().map(|s| self.prepared[*s].lock.n_sticks()).sum()
+    }
+
     fn points<L: Lane>(&self, batch: &Batch<L>) -> Vec<[f32; 3]> {
-        let of_strand = |(lane, s): (usize, &usize)| {
-            (0..self.prepared[*s].lock.n_sticks()).map(move |k| single(batch.place(lane, k)))
-        };
-        batch.strands.iter().enumerate().flat_map(of_strand).collect()
+        let mut points = Vec::with_capacity(self.n_points(batch));
+        self.put_points(batch, &mut points);
+        points
+    }
+
+    /// Adds these points to others, strand after strand.
+    fn put_points<L: Lane>(&self, batch: &Batch<L>, points: &mut Vec<[f32; 3]>) {
+        for (lane, s) in batch.strands.iter().enumerate() {
+            for stick in 0..self.prepared[*s].lock.n_sticks() {
+                points.push(single(batch.place(lane, stick)));
+            }
+        }
     }
 
     /// Time at which a step begins, s.

@@ -7,7 +7,7 @@
 //! the air and the surfaces at the step's end in it.
 
 use super::batch::{Batch, Model};
-use super::contact::{Firmness, bear};
+use super::contact::Firmness;
 use super::drag::push;
 use super::link::{Link, Work};
 use super::scene::Now;
@@ -40,7 +40,7 @@ pub(super) fn place_sticks<L: Lane>(root: Vector<L>, links: &[Link<L>], work: &m
     let mut end = root;
     for (link, work) in links.iter().zip(work) {
         work.direction = work.turn.x_axis();
-        end += work.direction * link.length;
+        end = work.direction.mul_add(link.length, end);
         work.place = end;
     }
 }
@@ -54,10 +54,11 @@ pub(super) fn bend_joints<L: Lane>(root_turn: Turn<L>, work: &mut [Work<L>]) {
         let bend = before.inverse().after(work.turn).bend();
         let sigma = bend * L::splat(0.25);
         let sigma2 = sigma.norm_squared();
-        let load = bend * work.stiffness - work.natural;
+        let load = bend.mul_add(work.stiffness, -work.natural);
         // For a turn ε of the stick, in the axes of the stick before, d bend = (1 − σ²) ε − 2 σ × ε + 2 σ (σ·ε): a
         // rotation times 1 + σ², so that the second derivative is the same in all directions.
-        let torque = load * (L::one() - sigma2) + sigma.cross(load) * two + sigma * (sigma.dot(load) * two);
+        let torque =
+            load.mul_add(L::one() - sigma2, sigma.cross(load).mul_add(two, sigma * (sigma.dot(load) * two)));
         work.torque = before.rotate(torque);
         let scale = L::one() + sigma2;
         work.curvature = work.stiffness * scale * scale;
@@ -78,7 +79,7 @@ impl<L: Lane> Batch<L> {
         let gravity = Vector::splat(now.gravity);
         for (link, work) in self.links.iter().zip(&mut *work) {
             let inertia = link.mass * weights.per_h2;
-            work.slope = (work.place - work.drifting) * inertia - gravity * link.mass;
+            work.slope = (work.place - work.drifting).mul_add(inertia, -(gravity * link.mass));
             work.hessian = Symmetric::scaled_identity(inertia);
         }
         if model.air {
@@ -88,17 +89,35 @@ impl<L: Lane> Batch<L> {
                 work.slope -= work.wind * link.mass;
             }
         }
-        let firmness = self.firmness(weights);
         for touchable in &self.touchable {
-            let surface = &now.surfaces[touchable.collider];
-            for &near in &touchable.near {
-                let work = &mut work[near.0];
-                let velocity = (work.place - work.from) * weights.per_h;
-                let bearing = bear(model, touchable, near, surface, (work.place, velocity), firmness);
-                work.slope += bearing.slope;
-                work.hessian.add_scaled(&bearing.hessian, L::one());
+            for near in &touchable.near {
+                let work = &mut work[near.stick];
+                work.slope += near.bearing.slope;
+                work.hessian.add(&near.bearing.hessian);
             }
         }
+    }
+
+    /// What surfaces do to the points where they are; [`Touchable::feel`] of all.
+    #[inline(always)]
+    pub(super) fn feel_contacts(
+        &mut self,
+        work: &[Work<L>],
+        model: &Model,
+        now: &Now<'_>,
+        weights: &Weights<L>,
+    ) -> L {
+        let firmness = self.firmness(weights);
+        let mut off2 = L::zero();
+        for touchable in &mut self.touchable {
+            let surface = &now.surfaces[touchable.collider];
+            let at = |stick: usize| {
+                let work = &work[stick];
+                (work.place, (work.place - work.from) * weights.per_h)
+            };
+            off2 = off2.max(touchable.feel(model, surface, at, firmness));
+        }
+        off2
     }
 
     /// How hard contacts are in an implicit step.
@@ -149,13 +168,13 @@ pub(super) fn sweep_inwards<L: Lane>(links: &[Link<L>], work: &mut [Work<L>], ro
     let mut turn_slope = Vector::zero();
     let mut outer_slope = Vector::zero();
     for (link, work) in links.iter().zip(work).rev() {
-        places.add_scaled(&work.hessian, L::one());
+        places.add(&work.hessian);
         place_slope += work.slope;
         outer_slope += work.slope;
         // The point's displacement is that of the stick's near end plus turn × lever.
         let lever = work.direction * link.length;
         let a = places.to_matrix().mul_lever(lever);
-        let z = a.scale(L::splat(0.5)).add(&mixed);
+        let z = a.mul_add(L::splat(0.5), &mixed);
         let y = z.lever_mul(lever);
         let mut q = turns;
         q.add_with_transpose(&y);
