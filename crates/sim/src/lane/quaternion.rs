@@ -16,7 +16,10 @@ impl<L: Lane> Turn<L> {
     /// This after another.
     #[inline(always)]
     pub fn after(self, o: Self) -> Self {
-        Self { w: self.w.mul_add(o.w, -self.v.dot(o.v)), v: o.v.mul_add(self.w, self.v.mul_add(o.w, self.v.cross(o.v))) }
+        Self {
+            w: self.w.mul_add(o.w, -self.v.dot(o.v)),
+            v: o.v.mul_add(self.w, self.v.mul_add(o.w, self.v.cross(o.v))),
+        }
     }
 
     #[inline(always)]

@@ -129,12 +129,7 @@ impl<L: Lane> Touchable<L> {
 
     /// Finds more of them in the same step.
     #[inline(always)]
-    pub fn look_again(
-        &mut self,
-        surface: &Surface,
-        places: impl Iterator<Item = Vector<L>>,
-        margin_m: L,
-    ) {
+    pub fn look_again(&mut self, surface: &Surface, places: impl Iterator<Item = Vector<L>>, margin_m: L) {
         for (stick, place) in places.enumerate() {
             if let Some(limit_m) = self.limit_within(surface, stick, place, margin_m) {
                 match self.near.iter_mut().find(|near| near.stick == stick) {
@@ -228,7 +223,8 @@ fn bear<L: Lane>(
     let dashpot = stiffness * share * L::splat(2.0 / CONTACT_RATE);
     let push = (spring - dashpot * leaving).max(L::zero());
     // In the fringe the dashpot grows with the depth. What comes is met by it; what leaves is not let go for it.
-    let stiffens = (fringe - depth).above(L::zero(), stiffness * L::splat(2.0 / CONTACT_RATE / FRINGE_M), L::zero());
+    let stiffens =
+        (fringe - depth).above(L::zero(), stiffness * L::splat(2.0 / CONTACT_RATE / FRINGE_M), L::zero());
     let rise = (-leaving).max(L::zero()).mul_add(stiffens, stiffness * share + dashpot * per_h);
     let rise = push.above(L::zero(), rise, L::zero());
     let mut hessian = Symmetric::zero();

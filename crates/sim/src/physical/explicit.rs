@@ -45,6 +45,25 @@ impl<L: Lane> Swing<L> {
     }
 }
 
+/// [`Batch::change`], compiled for the widest registers of the machine it runs on.
+struct Law<'a, 'b, L> {
+    batch: &'a mut Batch<L>,
+    swing: &'a Swing<L>,
+    work: &'a mut [Work<L>],
+    model: &'a Model,
+    now: &'a Now<'b>,
+    implicit_secs: f64,
+}
+
+impl<L: Lane> pulp::NullaryFnOnce for Law<'_, '_, L> {
+    type Output = Change<L>;
+
+    #[inline(always)]
+    fn call(self) -> Change<L> {
+        self.batch.change_here(self.swing, self.work, self.model, self.now, self.implicit_secs)
+    }
+}
+
 /// A stick turned by a rotation vector, to fourth order in it.
 #[inline(always)]
 fn turned<L: Lane>(turn: Turn<L>, by: Vector<L>) -> Turn<L> {
@@ -114,6 +133,18 @@ impl<L: Lane> Batch<L> {
         now: &Now<'_>,
         implicit_secs: f64,
     ) -> Change<L> {
+        pulp::Arch::new().dispatch(Law { batch: self, swing, work, model, now, implicit_secs })
+    }
+
+    #[inline(always)]
+    fn change_here(
+        &mut self,
+        swing: &Swing<L>,
+        work: &mut [Work<L>],
+        model: &Model,
+        now: &Now<'_>,
+        implicit_secs: f64,
+    ) -> Change<L> {
         for ((work, turn), link) in work.iter_mut().zip(&swing.turns).zip(&self.links) {
             work.turn = *turn;
             work.stiffness = link.stiffness;
@@ -137,6 +168,7 @@ impl<L: Lane> Batch<L> {
     }
 
     /// Internal damping, in place of the stiffness that an implicit step has there.
+    #[inline(always)]
     fn damp_joints(&self, swing: &Swing<L>, work: &mut [Work<L>], now: &Now<'_>, later: L) {
         let mut spin_before = head_spin(now);
         for ((work, link), spin) in work.iter_mut().zip(&self.links).zip(&swing.spins) {
@@ -148,6 +180,7 @@ impl<L: Lane> Batch<L> {
     }
 
     /// Forces on the points, and masses.
+    #[inline(always)]
     fn load_swing(&mut self, swing: &Swing<L>, work: &mut [Work<L>], model: &Model, now: &Now<'_>, later: L) {
         let gravity = Vector::splat(now.gravity);
         let mut velocity = self.root_velocity(now);

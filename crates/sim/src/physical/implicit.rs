@@ -67,10 +67,40 @@ const SAMPLED_TOGETHER: usize = 64;
 /// an iteration go farther from the guess, it is looked for again.
 const LOOK_M: f64 = 5e-3;
 
+/// A step, compiled for the widest registers of the machine it runs on.
+struct Step<'a, 'b, L> {
+    batch: &'a mut Batch<L>,
+    work: &'a mut [Work<L>],
+    model: &'a Model,
+    now: &'a Now<'b>,
+    carry: Option<&'a Carry>,
+    formula: Formula,
+}
+
+impl<L: Lane> pulp::NullaryFnOnce for Step<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.batch.step_here(self.work, self.model, self.now, self.carry, self.formula);
+    }
+}
+
 impl<L: Lane> Batch<L> {
     /// One step. `work` is room for it, as [`Batch::make_room`] makes it.
-    #[inline(always)]
     pub fn step_implicit(
+        &mut self,
+        work: &mut [Work<L>],
+        model: &Model,
+        now: &Now<'_>,
+        carry: Option<&Carry>,
+        formula: Formula,
+    ) {
+        pulp::Arch::new().dispatch(Step { batch: self, work, model, now, carry, formula });
+    }
+
+    #[inline(always)]
+    fn step_here(
         &mut self,
         work: &mut [Work<L>],
         model: &Model,

@@ -49,30 +49,6 @@ struct World<'a> {
     now: Now<'a>,
 }
 
-/// An implicit step of a batch, compiled for the widest registers of the machine it runs on.
-struct ImplicitStep<'a, 'b, L> {
-    batch: &'a mut Batch<L>,
-    work: &'a mut [Work<L>],
-    model: &'a Model,
-    world: &'a World<'b>,
-    formula: Formula,
-}
-
-impl<L: Lane> pulp::NullaryFnOnce for ImplicitStep<'_, '_, L> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.batch.step_implicit(
-            self.work,
-            self.model,
-            &self.world.now,
-            self.world.carry.as_ref(),
-            self.formula,
-        );
-    }
-}
-
 /// Strands in an order in which neighbors in a batch have as many sticks, and neighbors in the list grow close by.
 pub(super) fn order(prepared: &[Prepared], strands: &[usize]) -> Vec<usize> {
     let mut order = strands.to_vec();
@@ -178,7 +154,6 @@ impl March<'_> {
         worlds: &[World<'_>],
     ) -> Vec<[f32; 3]> {
         batch.make_room(work);
-        let arch = pulp::Arch::new();
         let dt_secs = self.timeline.dt_secs();
         let formula = match self.integrator {
             Integrator::ImplicitEuler => Formula::euler(dt_secs),
@@ -187,7 +162,7 @@ impl March<'_> {
         let n_frames = worlds.len() / self.timeline.steps_per_frame + 1;
         let mut frames = Vec::with_capacity(n_frames * self.n_points(batch));
         for (k, world) in worlds.iter().enumerate() {
-            arch.dispatch(ImplicitStep { batch, work, model: &self.model, world, formula });
+            batch.step_implicit(work, &self.model, &world.now, world.carry.as_ref(), formula);
             if (begin + k + 1).is_multiple_of(self.timeline.steps_per_frame) {
                 self.put_points(batch, &mut frames);
             }
