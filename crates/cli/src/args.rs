@@ -327,7 +327,7 @@ pub struct SimulateArgs {
     /// The most that a step of the integrator adaptive may be off, mm.
     #[arg(long, default_value_t = 0.1, value_name = "MM")]
     pub tolerance_mm: f64,
-    /// Compute in single precision: faster, for hair of usual proportions (method physical).
+    /// Compute in single precision: faster, for hair of usual proportions.
     #[arg(long)]
     pub single: bool,
     /// The longest step, s [default: the method's own].

@@ -18,8 +18,8 @@ pub fn max_stretch(motion: &StrandMotion) -> f64 {
     let mut per_rest2 = vec![f64::NAN; n_points];
     let mut first = 0;
     for n in &motion.counts {
-        for k in first..first + n.saturating_sub(1) {
-            per_rest2[k] = 1.0 / length2(&motion.positions_m, k);
+        for (k, per_rest2) in per_rest2[first..first + n].iter_mut().take(n.saturating_sub(1)).enumerate() {
+            *per_rest2 = 1.0 / length2(&motion.positions_m, first + k);
         }
         first += n;
     }

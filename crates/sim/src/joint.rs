@@ -1,40 +1,43 @@
 use crate::Integrator;
+use crate::lane::{Lane, Vector, fade, sine_to_quarter};
 use core::f64::consts::FRAC_PI_2;
-use tousle_core::Vec3;
 
 /// E1 of one joint over one step: I1 Φ″ + I2 Φ′ + τ Φ = H, Φ counted from where the stick is now.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct JointEquation {
-    /// I1, kg·m².
-    pub inertia: f64,
+pub(crate) struct JointEquation<L> {
+    /// 1 / I1, 1/(kg·m²).
+    pub per_inertia: L,
     /// I2, N·m·s.
-    pub resistance: f64,
+    pub resistance: L,
     /// τ, N·m.
-    pub strength: f64,
+    pub strength: L,
 }
 
 /// What one step does with a joint's rate: `rate_per_rate Φ′ + rate_per_torque H`.
 ///
 /// A rate here is the mean rate over a step: the turn is the new rate times the step, whatever the integrator.
 /// So a contact that bounds the rates bounds the angles too.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct JointStep {
-    pub rate_per_rate: f64,
-    pub rate_per_torque: f64,
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct JointStep<L> {
+    pub rate_per_rate: L,
+    pub rate_per_torque: L,
 }
 
-impl JointStep {
+impl<L: Lane> JointStep<L> {
     /// The step of an integrator.
-    pub fn new(integrator: Integrator, joint: JointEquation, dt_secs: f64) -> Self {
+    #[inline(always)]
+    pub fn new(integrator: Integrator, joint: JointEquation<L>, dt_secs: f64) -> Self {
         match integrator {
             Integrator::SemiImplicit => Self::semi_implicit(joint, dt_secs),
             _ => Self::exponential(joint, dt_secs),
         }
     }
 
-    fn semi_implicit(joint: JointEquation, dt_secs: f64) -> Self {
-        let inertia = joint.inertia + dt_secs * joint.resistance;
-        Self { rate_per_rate: joint.inertia / inertia, rate_per_torque: dt_secs / inertia }
+    #[inline(always)]
+    fn semi_implicit(joint: JointEquation<L>, dt_secs: f64) -> Self {
+        let free = joint.per_inertia * L::splat(dt_secs);
+        let rate_per_rate = L::one() / free.mul_add(joint.resistance, L::one());
+        Self { rate_per_rate, rate_per_torque: free * rate_per_rate }
     }
 
     /// The exact solution under a constant H, seen once a step.
@@ -51,53 +54,73 @@ impl JointStep {
     /// A swing that is seen less than four times a period is given a period of four steps: half a period from
     /// one step to the next, the angles alone would not tell how fast it swings, and it could grow unseen. So no
     /// step is too long: a joint swings by at most 1 + √2 times the angle at which it would balance the torque.
-    fn exponential(joint: JointEquation, dt_secs: f64) -> Self {
-        let fade = 0.5 * joint.resistance / joint.inertia * dt_secs;
-        let phase2 = joint.strength / joint.inertia * dt_secs * dt_secs;
-        let free = dt_secs / joint.inertia;
-        let faded = libm::expm1(-fade);
-        let remains = 1.0 + faded;
-        let share = if phase2 > fade * fade {
-            // |1 − exp(−fade + iω)|², as a sum of squares.
-            let phase = (phase2 - fade * fade).sqrt();
-            let sin = libm::sin(0.5 * phase.min(FRAC_PI_2));
-            (faded * faded + 4.0 * remains * sin * sin) / phase2
-        } else {
-            let fast = fade + (fade * fade - phase2).sqrt();
+    #[inline(always)]
+    fn exponential(joint: JointEquation<L>, dt_secs: f64) -> Self {
+        let free = joint.per_inertia * L::splat(dt_secs);
+        let fades = joint.resistance * free * L::splat(0.5);
+        let phase2 = joint.strength * free * L::splat(dt_secs);
+        let faded = fade(fades);
+        let remains = L::one() + faded;
+        let swing2 = phase2 - fades * fades;
+        // |1 − exp(−fade + iω)|², as a sum of squares.
+        let phase = swing2.max(L::zero()).sqrt();
+        let sin = sine_to_quarter(phase.min(L::splat(FRAC_PI_2)) * L::splat(0.5));
+        let mut share = (faded * faded + remains * sin * sin * L::splat(4.0)) / phase2;
+        if swing2.smallest() <= 0.0 {
+            let fast = fades + (-swing2).max(L::zero()).sqrt();
             // The slow root from the product of both: their difference would cancel.
-            let slow = if fast > 0.0 { phase2 / fast } else { 0.0 };
-            mean_fade(fast) * mean_fade(slow)
-        };
+            let slow = fast.above(L::zero(), phase2 / fast, L::zero());
+            share = swing2.above(L::zero(), share, mean_fade(fast) * mean_fade(slow));
+        }
         Self { rate_per_rate: remains * remains, rate_per_torque: free * share }
     }
 
     /// The rate after the step, under a torque that leaves out the joint's own resistance.
-    pub fn rate(&self, rate: Vec3, torque: Vec3) -> Vec3 {
-        rate * self.rate_per_rate + torque * self.rate_per_torque
+    #[inline(always)]
+    pub fn rate(&self, rate: Vector<L>, torque: Vector<L>) -> Vector<L> {
+        rate.mul_add(self.rate_per_rate, torque * self.rate_per_torque)
     }
 }
 
 /// (1 − e^(−x)) / x: the mean of what is left while it fades.
-fn mean_fade(x: f64) -> f64 {
-    if x < 1e-8 { 1.0 - 0.5 * x } else { -libm::expm1(-x) / x }
+#[inline(always)]
+fn mean_fade<L: Lane>(x: L) -> L {
+    let small = L::splat(1e-8);
+    x.above(small, -fade(x) / x.max(small), L::splat(-0.5).mul_add(x, L::one()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane::Wide1;
 
-    fn joint(resistance: f64, strength: f64) -> JointEquation {
-        JointEquation { inertia: 2.0, resistance, strength }
+    /// A joint with I = 2.
+    fn joint(resistance: f64, strength: f64) -> JointEquation<Wide1> {
+        let [resistance, strength] = [resistance, strength].map(Wide1::splat);
+        JointEquation { per_inertia: Wide1::splat(0.5), resistance, strength }
+    }
+
+    /// What a step does with a rate and with a torque.
+    fn step(integrator: Integrator, joint: JointEquation<Wide1>, dt_secs: f64) -> (f64, f64) {
+        let step = JointStep::new(integrator, joint, dt_secs);
+        (step.rate_per_rate.get(0), step.rate_per_torque.get(0))
     }
 
     /// Angles after each of `n` steps under H = 1, from angle 0 and a mean rate before it.
-    fn angles(integrator: Integrator, joint: JointEquation, n: usize, dt_secs: f64, rate: f64) -> Vec<f64> {
-        let step = JointStep::new(integrator, joint, dt_secs);
+    fn angles(
+        integrator: Integrator,
+        joint: JointEquation<Wide1>,
+        n: usize,
+        dt_secs: f64,
+        rate: f64,
+    ) -> Vec<f64> {
+        let (per_rate, per_torque) = step(integrator, joint, dt_secs);
+        let strength = joint.strength.get(0);
         let (mut phi, mut rate) = (0.0, rate);
         (0..n)
             .map(|_| {
-                let torque = 1.0 - joint.strength * phi;
-                rate = step.rate_per_rate * rate + step.rate_per_torque * torque;
+                let torque = 1.0 - strength * phi;
+                rate = per_rate * rate + per_torque * torque;
                 phi += dt_secs * rate;
                 phi
             })
@@ -123,19 +146,17 @@ mod tests {
     /// Without strength a rate fades as e^(−ct/I): c = 2, I = 2.
     #[test]
     fn resistance_alone_fades_a_rate() {
-        let step = JointStep::new(Integrator::Exponential, joint(2.0, 0.0), 0.7);
-        assert!((step.rate_per_rate - libm::exp(-0.7)).abs() < 1e-15);
-        assert!((step.rate_per_torque - 0.5 * (1.0 - libm::exp(-0.7))).abs() < 1e-15);
-        let free = JointStep::new(Integrator::Exponential, joint(0.0, 0.0), 0.7);
-        assert_eq!(free, JointStep { rate_per_rate: 1.0, rate_per_torque: 0.35 });
+        let (per_rate, per_torque) = step(Integrator::Exponential, joint(2.0, 0.0), 0.7);
+        assert!((per_rate - libm::exp(-0.7)).abs() < 1e-15);
+        assert!((per_torque - 0.5 * (1.0 - libm::exp(-0.7))).abs() < 1e-15);
+        assert_eq!(step(Integrator::Exponential, joint(0.0, 0.0), 0.7), (1.0, 0.35));
     }
 
     /// Just under and just over critical damping, and around no strength, the coefficients meet.
     #[test]
     fn the_branches_meet() {
         for (a, b) in [((4.0, 2.0 - 1e-9), (4.0, 2.0 + 1e-9)), ((1e-3, 0.0), (1e-3, 1e-12))] {
-            let [a, b] = [a, b]
-                .map(|(c, k)| JointStep::new(Integrator::Exponential, joint(c, k), 0.3).rate_per_torque);
+            let [a, b] = [a, b].map(|(c, k)| step(Integrator::Exponential, joint(c, k), 0.3).1);
             assert!((a - b).abs() < 1e-9, "{a} {b}");
         }
     }

@@ -6,11 +6,13 @@
 //! without an instruction for it: so every machine gives the same bits.
 
 mod array;
+mod functions;
 mod matrix;
 mod quaternion;
 mod vector;
 
 pub(crate) use array::{Wide1, Wide4, Wide8};
+pub(crate) use functions::{cos_and_sine_share, fade, series, sine_to_quarter};
 pub(crate) use matrix::{Matrix, Symmetric};
 pub(crate) use quaternion::Turn;
 pub(crate) use vector::Vector;
@@ -52,6 +54,12 @@ pub(crate) trait Lane:
 
     /// The cube root of numbers that are not negative, to a few digits less than the type holds.
     fn cbrt(self) -> Self;
+
+    /// The nearest whole number; between two, the even one.
+    fn round(self) -> Self;
+
+    /// 2 to the power of whole numbers from −120 to 120.
+    fn exp2_whole(self) -> Self;
 
     /// The larger of each pair; where one is NaN, the other.
     fn max(self, other: Self) -> Self;

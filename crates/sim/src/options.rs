@@ -15,7 +15,7 @@ pub struct SimOptions {
     pub dt_secs: Option<f64>,
     /// [`Integrator::Adaptive`]: the most that a step may be off at any point, m, > 0.
     pub tolerance_m: f64,
-    /// Method `physical`: how many digits are computed with.
+    /// How many digits are computed with.
     pub precision: Precision,
     /// What the wind and the head do outside the field's span.
     pub time: TimeMode,

@@ -6,194 +6,244 @@
 //! with everything further out; inertia and air resistance as if all that swung about the root together with
 //! the joint's own stick. So every joint has an equation of its own, and the answer does not depend on the
 //! number of sticks.
+//!
+//! As many strands as fit a register are stepped side by side ([`crate::lane`]).
 
 mod bending;
+mod build;
 mod contact;
 mod forces;
 mod run;
 
-pub(crate) use run::{Prepared, Ready};
+pub(crate) use run::{Held, Ready};
 
 use crate::Integrator;
 use crate::joint::{JointEquation, JointStep};
+use crate::lane::{Lane, Symmetric, Vector, cos_and_sine_share};
 use crate::plan::Terms;
 use crate::timeline::StepScene;
-use crate::touchable::Touchable;
 use contact::Contacts;
-use nalgebra::Matrix3;
 use tousle_core::Vec3;
-use tousle_rod::{DragLaw, Lock, Rest, turned};
+use tousle_rod::{Lock, turned};
 
 /// What all strands of a run share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PaperModel {
     pub integrator: Integrator,
     pub terms: Terms,
-    pub drag: DragLaw,
     pub friction: f64,
 }
 
-/// One strand in motion.
+/// Strands that are stepped together, one a lane.
+///
+/// Where one has fewer sticks than the longest, sticks without mass follow its tip; where there are fewer strands
+/// than lanes, the last one runs again and is not read.
 #[derive(Clone, Debug)]
-pub(crate) struct PaperStrand {
-    lock: Lock,
-    /// τ Φ0: the torque each joint holds at rest, in the axes of the stick before, N·m.
-    rest_torques: Vec<Vec3>,
-    /// I1 of each joint, kg·m².
-    inertias: Vec<f64>,
-    /// What neighboring joints' springs can ask of each joint at most, N·m.
-    bending_bounds: Vec<f64>,
-    /// Direction of each stick, head axes, unit length.
-    directions: Vec<Vec3>,
-    /// Φ′ of each stick over the last step: its angular velocity, across it, rad/s.
-    rates: Vec<Vec3>,
-    contacts: Contacts,
-    work: Work,
+pub(crate) struct Batch<L> {
+    /// Index of the strand in each lane that is read.
+    pub strands: Vec<usize>,
+    /// Where they grow, head space, m.
+    root: Vector<L>,
+    /// Internal damping over stiffness, s.
+    damping_secs: L,
+    sticks: Vec<Stick<L>>,
+    motions: Vec<Motion<L>>,
+    contacts: Contacts<L>,
 }
 
-/// What one step writes and reads again; kept only to spare allocations.
-#[derive(Clone, Debug)]
-struct Work {
-    /// The far end of each stick, head space, m, and its velocity in head space, m/s.
-    ends_m: Vec<Vec3>,
-    velocities: Vec<Vec3>,
-    /// H: the force on each of these points, N.
-    forces: Vec<Vec3>,
-    /// What the air does to each stick.
-    air: Vec<AirOnStick>,
-    /// What each joint does to the stick that hangs on it, N·m.
-    bending_torques: Vec<Vec3>,
-    steps: Vec<JointStep>,
+/// A stick, the joint at its near end and the point at its far end: what never changes.
+#[derive(Clone, Copy, Debug)]
+struct Stick<L> {
+    /// Length, m, and that of the hair on it.
+    length: L,
+    hair_length: L,
+    /// Half the distance of the point from the root, along the sticks, m.
+    half_arc: L,
+    /// Mass of the point, kg.
+    mass: L,
+    /// One over I1, 1/(kg·m²).
+    per_inertia: L,
+    /// Stiffness of the joint, N·m, and what neighboring joints' springs can ask of it at most.
+    stiffness: L,
+    bending_bound: L,
+    /// ½ ρ width, kg/m²: drag across over speed squared, for each length of hair, but for the coefficient.
+    drag: L,
+    /// 10 (ν / width)^⅔, (m/s)^⅔: how much stronger drag is at low speeds.
+    viscous: L,
+    /// Mass per length of hair, kg/m.
+    density: L,
+    /// Direction at rest, head axes, unit length.
+    rest_direction: Vector<L>,
+    /// τ Φ0: the torque the joint holds at rest, in the axes of the stick before, N·m.
+    rest_torque: Vector<L>,
+}
+
+/// Where a stick points, and how it turns.
+#[derive(Clone, Copy, Debug)]
+struct Motion<L> {
+    /// Head axes, unit length.
+    direction: Vector<L>,
+    /// Φ′ over the last step: its angular velocity, across it, rad/s.
+    rate: Vector<L>,
+}
+
+/// What one step writes and reads again.
+#[derive(Clone, Copy, Debug)]
+struct Work<L> {
+    /// The far end, head space, m, and its velocity in head space, m/s.
+    end: Vector<L>,
+    velocity: Vector<L>,
+    /// The field's vector at the stick's middle.
+    wind: Vector<L>,
+    /// H: the force on the far end, N.
+    force: Vector<L>,
+    air: AirOnStick<L>,
+    /// What the joint does to the stick, N·m.
+    bending_torque: Vector<L>,
+    step: JointStep<L>,
 }
 
 /// The air on one stick, shared out to its ends in halves.
 #[derive(Clone, Copy, Debug)]
-struct AirOnStick {
-    /// The push, N.
-    force: Vec3,
+struct AirOnStick<L> {
     /// How much stronger the push would be if the stick stood still, to first order, N.
-    resisted: Vec3,
+    resisted: Vector<L>,
     /// The change of the push with the wind, N·s/m, and the most it can be in any direction.
-    resistance: Matrix3<f64>,
-    most: f64,
+    resistance: Symmetric<L>,
+    most: L,
 }
 
-impl PaperStrand {
-    /// A strand at rest in its rest curve.
-    pub fn new(lock: Lock, rest: &Rest, touchable: &[Touchable]) -> Self {
-        let n = lock.n_sticks();
-        Self {
-            rest_torques: rest.torques.clone(),
-            inertias: inertias(&lock),
-            bending_bounds: bending_bounds(&lock),
-            directions: lock.rest_directions.clone(),
-            rates: vec![Vec3::zeros(); n],
-            contacts: Contacts::new(rest, touchable, n),
-            work: Work::new(n),
-            lock,
-        }
+/// A step, compiled for the widest registers of the machine it runs on.
+struct Step<'a, 'b, L> {
+    batch: &'a mut Batch<L>,
+    work: &'a mut Vec<Work<L>>,
+    model: &'a PaperModel,
+    scene: &'a StepScene<'b>,
+}
+
+impl<L: Lane> pulp::NullaryFnOnce for Step<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.batch.step_here(self.work, self.model, self.scene);
+    }
+}
+
+impl<L: Lane> Batch<L> {
+    /// One step of E1 for every joint. `work` is room for it.
+    fn step(&mut self, work: &mut Vec<Work<L>>, model: &PaperModel, scene: &StepScene<'_>) {
+        pulp::Arch::new().dispatch(Step { batch: self, work, model, scene });
     }
 
-    /// The far end of every stick, head space, m.
-    pub fn ends_m(&mut self) -> &[Vec3] {
-        self.lock.place(&self.directions, &mut self.work.ends_m);
-        &self.work.ends_m
-    }
-
-    /// One step of E1 for every joint.
-    pub fn step(&mut self, model: &PaperModel, scene: &StepScene<'_>) {
-        self.move_points();
+    #[inline(always)]
+    fn step_here(&mut self, work: &mut Vec<Work<L>>, model: &PaperModel, scene: &StepScene<'_>) {
+        work.resize(self.sticks.len(), Work::new());
+        self.move_points(work);
         // E2: gravity, head movement, wind, collision; the spring along the strand is the sum in `solve_joints`.
-        self.weigh(scene);
+        self.weigh(work, scene);
         if model.terms.blows() {
-            self.blow(model, scene);
+            self.blow(work, model, scene);
         }
-        self.contacts.find(&self.work.ends_m, &self.work.velocities, scene);
-        self.contacts.push(&mut self.work.forces);
+        self.contacts.find(work, scene);
+        self.contacts.push(work);
         // E1: strength towards rest, then joint by joint; last what the body must push more than it did.
-        self.bend();
-        self.solve_joints(model, scene.dt_secs);
-        let dt_secs = scene.dt_secs;
-        self.contacts.resolve(
-            &self.lock,
-            &self.directions,
-            &self.work.steps,
-            &mut self.rates,
-            model,
-            dt_secs,
-        );
-        self.turn_sticks(dt_secs);
-        self.contacts.keep_outside(&self.lock, &mut self.directions, scene);
+        self.bend(work);
+        self.solve_joints(work, model, scene.dt_secs);
+        self.contacts.resolve(&self.sticks, &mut self.motions, work, model.friction, scene.dt_secs);
+        self.turn_sticks(scene.dt_secs);
+        self.contacts.keep_outside(self.root, &self.sticks, &mut self.motions, scene);
     }
 
-    fn move_points(&mut self) {
-        self.lock.place(&self.directions, &mut self.work.ends_m);
-        let mut velocity = Vec3::zeros();
-        for (j, slot) in self.work.velocities.iter_mut().enumerate() {
-            velocity += self.rates[j].cross(&self.directions[j]) * self.lock.lengths_m[j];
-            *slot = velocity;
+    #[inline(always)]
+    fn move_points(&self, work: &mut [Work<L>]) {
+        let (mut end, mut velocity) = (self.root, Vector::zero());
+        for ((stick, motion), work) in self.sticks.iter().zip(&self.motions).zip(work) {
+            end = motion.direction.mul_add(stick.length, end);
+            velocity = motion.rate.cross(motion.direction).mul_add(stick.length, velocity);
+            work.end = end;
+            work.velocity = velocity;
         }
     }
 
     /// S of E2 and E1: sums along the strand from the tip, and each joint's equation on the way.
-    fn solve_joints(&mut self, model: &PaperModel, dt_secs: f64) {
-        let lock = &self.lock;
-        let work = &mut self.work;
-        let mut pull = Vec3::zeros();
-        let mut air = AirFurtherOut::default();
-        let mut next_torque = Vec3::zeros();
-        for j in (0..lock.n_sticks()).rev() {
-            let (length, direction, rate) = (lock.lengths_m[j], self.directions[j], self.rates[j]);
-            pull += work.forces[j];
-            let mut torque = work.bending_torques[j] - next_torque;
-            let mut joint = JointEquation {
-                inertia: self.inertias[j],
-                resistance: self.bending_bounds[j] * lock.damping_secs,
-                strength: self.bending_bounds[j] + length * pull.norm(),
-            };
+    #[inline(always)]
+    fn solve_joints(&mut self, work: &mut [Work<L>], model: &PaperModel, dt_secs: f64) {
+        let mut pull = Vector::zero();
+        let mut air = AirFurtherOut::nothing();
+        let mut next_torque = Vector::zero();
+        for j in (0..work.len()).rev() {
+            let (stick, Motion { direction, rate }) = (&self.sticks[j], self.motions[j]);
+            pull += work[j].force;
+            let mut torque = work[j].bending_torque - next_torque;
+            let mut resistance = stick.bending_bound * self.damping_secs;
             let mut lever = pull;
             if model.terms.air {
-                air.gather(&work.air, lock, j);
+                air.gather(work, stick.half_arc, j);
                 // The push holds the air's resistance to the strand's true motion; I2 has in its place that to a
                 // swing of everything further out about the root.
-                lever += air.resisted - air.resistance * rate.cross(&direction);
-                joint.resistance += length * air.most;
-                torque += rate * (length * air.most);
+                lever += air.resisted - air.resistance.mul_vector(rate.cross(direction));
+                resistance = stick.length.mul_add(air.most, resistance);
             }
-            torque += direction.cross(&lever) * length + rate * (self.bending_bounds[j] * lock.damping_secs);
-            torque -= direction * direction.dot(&torque);
+            torque += direction.cross(lever).mul_add(stick.length, rate * resistance);
+            torque -= direction * direction.dot(torque);
+            let strength = stick.length.mul_add(pull.norm_squared().sqrt(), stick.bending_bound);
+            let joint = JointEquation { per_inertia: stick.per_inertia, resistance, strength };
             let step = JointStep::new(model.integrator, joint, dt_secs);
-            self.rates[j] = step.rate(rate, torque);
-            work.steps[j] = step;
-            next_torque = work.bending_torques[j];
+            self.motions[j].rate = step.rate(rate, torque);
+            work[j].step = step;
+            next_torque = work[j].bending_torque;
         }
     }
 
+    #[inline(always)]
     fn turn_sticks(&mut self, dt_secs: f64) {
-        for (direction, rate) in self.directions.iter_mut().zip(&mut self.rates) {
-            *direction = turned(*direction, *rate * dt_secs).normalize();
-            *rate -= *direction * direction.dot(rate);
+        let dt = L::splat(dt_secs);
+        for Motion { direction, rate } in &mut self.motions {
+            // Rodrigues' formula; the turn is at right angles to the stick.
+            let turn = *rate * dt;
+            let angle2 = turn.norm_squared();
+            let (cos, sine_share) = cos_and_sine_share(angle2.min(L::one()));
+            let mut to = direction.mul_add(cos, turn.cross(*direction) * sine_share);
+            if angle2.largest() > 1.0 {
+                let far = |lane: usize| turned(direction.get(lane), turn.get(lane));
+                to = Vector::where_above(angle2, L::one(), Vector::from_fn(far), to);
+            }
+            *direction = to.normalized();
+            *rate -= *direction * direction.dot(*rate);
         }
+    }
+
+    /// The far end of every stick, head space, m, of one strand after the other.
+    fn ends_m(&self, lane: usize, n_sticks: usize) -> impl Iterator<Item = Vec3> {
+        let mut end = self.root.get(lane);
+        (0..n_sticks).map(move |k| {
+            end += self.motions[k].direction.get(lane) * self.sticks[k].length.get(lane);
+            end
+        })
     }
 }
 
 /// The air on everything from a point outwards.
-#[derive(Default)]
-struct AirFurtherOut {
-    resisted: Vec3,
+struct AirFurtherOut<L> {
+    resisted: Vector<L>,
     /// Σ resistance · s and Σ most · s, s the distance from the root along the strand, N·s.
-    resistance: Matrix3<f64>,
-    most: f64,
+    resistance: Symmetric<L>,
+    most: L,
 }
 
-impl AirFurtherOut {
+impl<L: Lane> AirFurtherOut<L> {
+    fn nothing() -> Self {
+        Self { resisted: Vector::zero(), resistance: Symmetric::zero(), most: L::zero() }
+    }
+
     /// Adds the point at the end of stick `j`: half of each stick that meets there.
-    fn gather(&mut self, air: &[AirOnStick], lock: &Lock, j: usize) {
-        let half_arc_m = 0.5 * lock.arcs_m[j];
-        for stick in &air[j..(j + 2).min(air.len())] {
-            self.resisted += stick.resisted * 0.5;
-            self.resistance += stick.resistance * half_arc_m;
-            self.most += stick.most * half_arc_m;
+    #[inline(always)]
+    fn gather(&mut self, work: &[Work<L>], half_arc: L, j: usize) {
+        for work in &work[j..(j + 2).min(work.len())] {
+            self.resisted = work.air.resisted.mul_add(L::splat(0.5), self.resisted);
+            self.resistance.add_scaled(&work.air.resistance, half_arc);
+            self.most = work.air.most.mul_add(half_arc, self.most);
         }
     }
 }
@@ -224,22 +274,17 @@ pub(crate) fn bending_bounds(lock: &Lock) -> Vec<f64> {
         .collect()
 }
 
-impl Work {
-    fn new(n: usize) -> Self {
-        let zeros = vec![Vec3::zeros(); n];
-        let still = AirOnStick {
-            force: Vec3::zeros(),
-            resisted: Vec3::zeros(),
-            resistance: Matrix3::zeros(),
-            most: 0.0,
-        };
+impl<L: Lane> Work<L> {
+    fn new() -> Self {
+        let (o, zero) = (Vector::zero(), L::zero());
         Self {
-            ends_m: zeros.clone(),
-            velocities: zeros.clone(),
-            forces: zeros.clone(),
-            air: vec![still; n],
-            bending_torques: zeros,
-            steps: vec![JointStep::default(); n],
+            end: o,
+            velocity: o,
+            wind: o,
+            force: o,
+            air: AirOnStick { resisted: o, resistance: Symmetric::zero(), most: zero },
+            bending_torque: o,
+            step: JointStep { rate_per_rate: zero, rate_per_torque: zero },
         }
     }
 }

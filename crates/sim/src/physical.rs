@@ -22,4 +22,5 @@ mod run;
 mod scene;
 mod stability;
 
+pub(crate) use contact::gaps;
 pub(crate) use run::{Held, Ready};

@@ -33,7 +33,7 @@ pub struct Held {
 
 #[derive(Clone, Debug)]
 enum State {
-    Paper(Vec<paper::Prepared>),
+    Paper(paper::Held),
     Physical(physical::Held),
 }
 

@@ -2,7 +2,7 @@ use crate::plan::Terms;
 use crate::{SimError, SimOptions, TimeMode, TorsoGrip};
 use nalgebra::Point3;
 use tousle_core::{Attachment, HeadMotion, Pose, PoseTrack, Vec3};
-use tousle_field::{FieldLayer, FieldSequence, FieldSlice, Scene};
+use tousle_field::{FieldLayer, FieldSequence, Moment, Sampler, Scene};
 use tousle_rod::Surface;
 
 /// When the frames are, into how many steps each is cut, and what the world does in each step.
@@ -39,7 +39,7 @@ pub(crate) struct StepScene<'a> {
     /// The step, s.
     pub dt_secs: f64,
     /// The field in the middle of the step; `None` where no wind blows.
-    pub wind: Option<FieldSlice<'a>>,
+    pub wind: Option<Moment<'a>>,
     /// Gravity in the middle of the step, m/s².
     pub gravity: Vec3,
     /// The head in the middle of the step; `None` if it never moves.
@@ -64,6 +64,9 @@ pub(crate) struct StrongestPull {
 const MAX_FRAMES: f64 = 1e7;
 const MAX_STEPS_PER_FRAME: f64 = 1e6;
 const MAX_POSITIONS: f64 = 1e9;
+
+/// More points than this, and a step's field is laid together for the whole grid before they ask.
+pub(crate) const TOGETHER_FROM: usize = 6_000;
 
 impl StepScene<'_> {
     /// Velocity of the body's surface at a point, head space, m/s: the torso moves as the head sees it.
@@ -180,7 +183,9 @@ impl<'a> Timeline<'a> {
     }
 
     /// What the world does in a step, from 0.
-    pub fn step_scene(&self, step: usize) -> StepScene<'a> {
+    ///
+    /// `together`: whether very many points will ask for the wind.
+    pub fn step_scene<'b>(&self, step: usize, sampler: &'b Sampler<'b>, together: bool) -> StepScene<'b> {
         let dt_secs = self.dt_secs();
         let (frame, within) = (step / self.steps_per_frame, step % self.steps_per_frame);
         let begin = self.frame_secs(frame) + within as f64 * dt_secs;
@@ -190,7 +195,7 @@ impl<'a> Timeline<'a> {
         let moves = self.terms.head_movement;
         StepScene {
             dt_secs,
-            wind: self.wind_secs(middle).map(|secs| self.field.at(secs).with_layers(self.layers)),
+            wind: self.wind_secs(middle).map(|secs| sampler.at(secs, together)),
             gravity: head.world_from_head.rotation.inverse() * self.scene.gravity_world,
             head: moves.then_some(head),
             surfaces: Surface::of_body(&self.scene.body, &torso),

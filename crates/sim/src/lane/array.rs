@@ -30,7 +30,7 @@ macro_rules! elementwise {
 }
 
 macro_rules! lane {
-    ($t:ty, $from:expr, $cbrt:path) => {
+    ($t:ty, $from:expr, $cbrt:path, $exp2:path) => {
         elementwise!($t, Add, add, +=);
         elementwise!($t, Sub, sub, -=);
         elementwise!($t, Mul, mul, *=);
@@ -105,6 +105,22 @@ macro_rules! lane {
             }
 
             #[inline(always)]
+            fn round(mut self) -> Self {
+                for a in &mut self.0 {
+                    *a = a.round_ties_even();
+                }
+                self
+            }
+
+            #[inline(always)]
+            fn exp2_whole(mut self) -> Self {
+                for a in &mut self.0 {
+                    *a = $exp2(*a);
+                }
+                self
+            }
+
+            #[inline(always)]
             fn max(mut self, other: Self) -> Self {
                 for (a, b) in self.0.iter_mut().zip(&other.0) {
                     *a = if *a > *b { *a } else { *b };
@@ -131,8 +147,20 @@ macro_rules! lane {
     };
 }
 
-lane!(f32, |value: f64| value as f32, cbrt32);
-lane!(f64, |value: f64| value, cbrt64);
+lane!(f32, |value: f64| value as f32, cbrt32, exp2_whole32);
+lane!(f64, |value: f64| value, cbrt64, exp2_whole64);
+
+/// The exponent's bits are the number plus 127. Added to 2²³ it stands in the last bits, and is shifted from there.
+#[inline(always)]
+fn exp2_whole32(x: f32) -> f32 {
+    f32::from_bits((x + (8_388_608.0 + 127.0)).to_bits() << 23)
+}
+
+/// As [`exp2_whole32`].
+#[inline(always)]
+fn exp2_whole64(x: f64) -> f64 {
+    f64::from_bits((x + (4_503_599_627_370_496.0 + 1023.0)).to_bits() << 52)
+}
 
 /// A third of the exponent's bits is a guess within 4 %; Halley's iteration cubes that error.
 #[inline(always)]

@@ -76,6 +76,12 @@ impl<L: Lane> Vector<L> {
         self.dot(self)
     }
 
+    /// This over its length.
+    #[inline(always)]
+    pub fn normalized(self) -> Self {
+        self * (L::one() / self.norm_squared().sqrt())
+    }
+
     /// `yes` where `of` is above `bound`, else `no`.
     #[inline(always)]
     pub fn where_above(of: L, bound: L, yes: Self, no: Self) -> Self {

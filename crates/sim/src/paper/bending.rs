@@ -1,28 +1,68 @@
-use super::PaperStrand;
-use nalgebra::UnitQuaternion;
-use tousle_core::Vec3;
+use super::{Batch, Work};
+use crate::lane::{Lane, Turn, Vector, series};
 use tousle_rod::{shortest_rotation, shortest_turn};
 
-impl PaperStrand {
+impl<L: Lane> Batch<L> {
     /// τ (Φ0 − Φ) of E1, and the hair's internal damping: what each joint does to the stick that hangs on it.
     ///
     /// Φ is the turn from where the stick before carries this one's rest direction. τ Φ0 is what the joint holds
     /// at rest; kept as a torque it needs no bound on Φ0, which for soft hair is many turns. The axes that carry
     /// it are turned along the strand by the shortest way, so a lock may roll but stores no twist.
-    pub(super) fn bend(&mut self) {
-        let lock = &self.lock;
-        let mut axes = UnitQuaternion::identity();
-        let mut rate_before = Vec3::zeros();
-        for (j, torque) in self.work.bending_torques.iter_mut().enumerate() {
-            let direction = self.directions[j];
-            let carried = axes * lock.rest_directions[j];
-            let angles = shortest_turn(carried, direction);
-            let stiffness = lock.joint_stiffness[j];
-            let bent = angles + (self.rates[j] - rate_before) * lock.damping_secs;
-            *torque = axes * self.rest_torques[j] - bent * stiffness;
-            *torque -= direction * direction.dot(torque);
-            axes = shortest_rotation(carried, direction) * axes;
-            rate_before = self.rates[j];
+    #[inline(always)]
+    pub(super) fn bend(&self, work: &mut [Work<L>]) {
+        let mut axes = Turn::identity();
+        let mut rate_before = Vector::zero();
+        for ((stick, motion), work) in self.sticks.iter().zip(&self.motions).zip(work) {
+            let direction = motion.direction;
+            let carried = axes.rotate(stick.rest_direction);
+            let (angles, turn) = shortest(carried, direction);
+            let bent = (motion.rate - rate_before).mul_add(self.damping_secs, angles);
+            let torque = axes.rotate(stick.rest_torque) - bent * stick.stiffness;
+            work.bending_torque = torque - direction * direction.dot(torque);
+            axes = turn.after(axes);
+            rate_before = motion.rate;
         }
     }
+}
+
+/// The shortest turn from one unit vector to another: as a rotation vector and as a rotation
+/// ([`shortest_turn`], [`shortest_rotation`]).
+#[inline(always)]
+fn shortest<L: Lane>(from: Vector<L>, to: Vector<L>) -> (Vector<L>, Turn<L>) {
+    let cross = from.cross(to);
+    let cos = from.dot(to);
+    let sin2 = cross.norm_squared();
+    let mut angles = cross * angle_over_sine(sin2);
+    let mut turn = Turn { w: L::one() + cos, v: cross }.normalized();
+    // The series is for less than 10 degrees. What is beyond is rare.
+    let fits = (L::splat(SERIES_SIN2) - sin2).min(cos);
+    if fits.smallest() <= 0.0 {
+        for lane in (0..L::N).filter(|lane| fits.get(*lane) <= 0.0) {
+            let (from, to) = (from.get(lane), to.get(lane));
+            angles.set(lane, shortest_turn(from, to));
+            let rotation = shortest_rotation(from, to);
+            turn.w.set(lane, rotation.w);
+            turn.v.set(lane, rotation.imag());
+        }
+    }
+    (angles, turn)
+}
+
+/// Where the series of [`angle_over_sine`] ends: its first term left out is below 1e-13 there.
+const SERIES_SIN2: f64 = 0.03;
+
+/// arcsin(s)/s from s², by its power series.
+#[inline(always)]
+fn angle_over_sine<L: Lane>(sin2: L) -> L {
+    const TERMS: [f64; 8] = [
+        1.0,
+        1.0 / 6.0,
+        3.0 / 40.0,
+        15.0 / 336.0,
+        105.0 / 3456.0,
+        945.0 / 42_240.0,
+        10_395.0 / 599_040.0,
+        135_135.0 / 9_676_800.0,
+    ];
+    series(sin2, TERMS)
 }

@@ -1,46 +1,56 @@
-use super::PaperModel;
-use crate::joint::JointStep;
+use super::build::Prepared;
+use super::{Motion, Stick, Work};
+use crate::lane::{Lane, Symmetric, Vector};
+use crate::physical::gaps;
 use crate::timeline::StepScene;
-use crate::touchable::Touchable;
-use nalgebra::Matrix3;
-use tousle_core::Vec3;
-use tousle_rod::{Lock, Rest};
 
 /// Ψ of E2: what the body does to the points it touches, found so that they stay outside.
 ///
 /// A force is remembered from step to step. It acts on the joints with all others, and is then corrected by what
 /// the joints' new rates still lack: at rest nothing is lacking, and what bears a strand bears it for ever.
 #[derive(Clone, Debug)]
-pub(super) struct Contacts {
-    touchable: Vec<Touchable>,
-    /// One slot a touchable collider and point, collider after collider.
-    slots: Vec<Slot>,
+pub(super) struct Contacts<L> {
+    /// Index in the body of each collider that some of the strands can reach, and whether the torso carries it.
+    colliders: Vec<(usize, bool)>,
+    /// One slot a collider and point, collider after collider.
+    slots: Vec<Slot<L>>,
+    /// What is known of each point's distance from all of them.
+    seen: Vec<Seen<L>>,
     /// What touches in this step, ordered from the root.
-    touching: Vec<Touch>,
+    touching: Vec<Touch<L>>,
     /// What a sweep adds to the force on each point, N.
-    corrections: Vec<Vec3>,
+    corrections: Vec<Vector<L>>,
 }
 
 /// What is remembered of a collider and a point.
 #[derive(Clone, Copy, Debug)]
-struct Slot {
-    /// How near the point may come, m.
-    clearance_m: f64,
+struct Slot<L> {
+    /// How near the point may come, m; minus infinity where it cannot.
+    clearance_m: L,
     /// Force outwards, N, ≥ 0.
-    push: f64,
+    push: L,
     /// Friction along the surface, N.
-    rub: Vec3,
+    rub: Vector<L>,
+}
+
+/// Where a point was looked at last, and how far it may go from there before it has to be looked at again.
+#[derive(Clone, Copy, Debug)]
+struct Seen<L> {
+    place: Vector<L>,
+    room_m: L,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Touch {
+struct Touch<L> {
     slot: usize,
     stick: usize,
-    normal: Vec3,
+    /// 1 for a strand that touches, 0 for one that does not.
+    touches: L,
+    normal: Vector<L>,
     /// How far the point still is from where it may not go, m; negative beyond.
-    room_m: f64,
+    room_m: L,
     /// Velocity of the surface in head space, m/s.
-    surface_velocity: Vec3,
+    surface_velocity: Vector<L>,
 }
 
 /// Sweeps over the contacts in a step. What they leave over is corrected by the next step; with 8 the scores on
@@ -51,146 +61,207 @@ const SWEEPS: usize = 2;
 /// strand that lies on a head would creep by 0.05 mm a second.
 const ON_SURFACE_M: f64 = 1e-5;
 
-impl Contacts {
-    pub fn new(rest: &Rest, touchable: &[Touchable], n: usize) -> Self {
-        let mut slots: Vec<Slot> = touchable
-            .iter()
-            .flat_map(|t| &rest.clearances_m[t.collider * n..(t.collider + 1) * n])
-            .map(|clearance| Slot { clearance_m: *clearance, push: 0.0, rub: Vec3::zeros() })
-            .collect();
-        for bearing in &rest.bearings {
-            if let Some(place) = touchable.iter().position(|t| t.collider == bearing.collider) {
-                slots[place * n + bearing.stick].push = bearing.force_n;
+/// A point is looked for within as much and twice the way it would go unhindered, m; what turns faster is caught when
+/// the step is done.
+const MARGIN_M: f64 = 1e-4;
+
+impl<L: Lane> Contacts<L> {
+    pub fn new(strands: &[(usize, &Prepared)], n: usize) -> Self {
+        let of = |lane: usize| strands[lane.min(strands.len() - 1)].1;
+        let mut colliders: Vec<(usize, bool)> =
+            strands.iter().flat_map(|s| &s.1.touchable).map(|t| (t.collider, t.on_torso)).collect();
+        colliders.sort_unstable();
+        colliders.dedup();
+        let slot = |collider: usize, stick: usize| {
+            let reaches = |lane: usize| {
+                let p = of(lane);
+                stick < p.lock.n_sticks() && p.touchable.iter().any(|t| t.collider == collider)
+            };
+            let borne = |lane: usize| {
+                of(lane).rest.bearings.iter().find(|b| b.collider == collider && b.stick == stick)
+            };
+            Slot {
+                clearance_m: L::from_fn(|lane| {
+                    let p = of(lane);
+                    if reaches(lane) {
+                        p.rest.clearances_m[collider * p.lock.n_sticks() + stick]
+                    } else {
+                        f64::NEG_INFINITY
+                    }
+                }),
+                push: L::from_fn(|lane| borne(lane).filter(|_| reaches(lane)).map_or(0.0, |b| b.force_n)),
+                rub: Vector::zero(),
             }
+        };
+        let slots = colliders.iter().flat_map(|c| (0..n).map(|stick| slot(c.0, stick))).collect();
+        let n = if colliders.is_empty() { 0 } else { n };
+        Self {
+            colliders,
+            slots,
+            seen: vec![Seen { place: Vector::zero(), room_m: L::zero() }; n],
+            touching: Vec::new(),
+            corrections: vec![Vector::zero(); n],
         }
-        let corrections = if touchable.is_empty() { Vec::new() } else { vec![Vec3::zeros(); n] };
-        Self { touchable: touchable.to_vec(), slots, touching: Vec::new(), corrections }
     }
 
     /// Finds the points that touch or may touch within the step, where the body is at its end.
-    pub fn find(&mut self, ends_m: &[Vec3], velocities: &[Vec3], scene: &StepScene<'_>) {
+    #[inline(always)]
+    pub fn find(&mut self, work: &[Work<L>], scene: &StepScene<'_>) {
         self.touching.clear();
-        if self.touchable.is_empty() {
+        if self.colliders.is_empty() {
             return;
         }
-        let n = ends_m.len();
-        for (stick, (end, velocity)) in ends_m.iter().zip(velocities).enumerate() {
-            // Twice the way it would go unhindered; what turns faster is caught when the step is done.
-            let margin_m = 2.0 * velocity.norm() * scene.dt_secs + 1e-4;
-            for (place, touchable) in self.touchable.iter().enumerate() {
-                let slot = place * n + stick;
-                let remembered = &mut self.slots[slot];
-                let limit_m = f64::max(remembered.clearance_m + margin_m, 0.0);
-                let Some(gap) = scene.surfaces[touchable.collider].gap_within(*end, limit_m) else {
-                    remembered.push = 0.0;
-                    remembered.rub = Vec3::zeros();
-                    continue;
-                };
-                let room_m = gap.distance_m - remembered.clearance_m;
-                self.touching.push(Touch {
-                    slot,
-                    stick,
-                    normal: gap.normal,
-                    room_m: if room_m.abs() < ON_SURFACE_M { 0.0 } else { room_m },
-                    surface_velocity: scene.surface_velocity(touchable.on_torso, *end),
-                });
+        let twice_dt = L::splat(2.0 * scene.dt_secs);
+        for (stick, work) in work.iter().enumerate() {
+            let margin_m = work.velocity.norm_squared().sqrt().mul_add(twice_dt, L::splat(MARGIN_M));
+            // A surface that moves comes nearer by itself.
+            let is_still = scene.head.is_none();
+            if !(is_still && self.seen[stick].is_far(work.end, margin_m)) {
+                self.look(stick, work, margin_m, scene);
             }
         }
     }
 
+    #[inline(always)]
+    fn look(&mut self, stick: usize, work: &Work<L>, margin_m: L, scene: &StepScene<'_>) {
+        let n = self.seen.len();
+        let mut room_m = L::splat(f64::INFINITY);
+        for (k, &(collider, on_torso)) in self.colliders.iter().enumerate() {
+            let slot = k * n + stick;
+            let remembered = &mut self.slots[slot];
+            let clearance_m = remembered.clearance_m;
+            let (gap, normal) = gaps(&scene.surfaces[collider], work.end);
+            room_m = room_m.min(room(gap, clearance_m));
+            let reaches = (clearance_m + margin_m).max(L::zero()) - gap;
+            let touches = reaches.above(L::zero(), L::one(), L::zero());
+            let touches = clearance_m.above(L::splat(f64::NEG_INFINITY), touches, L::zero());
+            remembered.push = remembered.push * touches;
+            remembered.rub = remembered.rub * touches;
+            if touches.largest() <= 0.0 {
+                continue;
+            }
+            let room_m = gap - clearance_m;
+            let on_surface = L::splat(ON_SURFACE_M) - room_m.max(-room_m);
+            let surface_velocity =
+                Vector::from_fn(|lane| scene.surface_velocity(on_torso, work.end.get(lane)));
+            self.touching.push(Touch {
+                slot,
+                stick,
+                touches,
+                normal,
+                room_m: on_surface.above(L::zero(), L::zero(), room_m),
+                surface_velocity,
+            });
+        }
+        self.seen[stick] = Seen { place: work.end, room_m };
+    }
+
     /// Adds what is remembered to the forces on the points.
-    pub fn push(&mut self, forces: &mut [Vec3]) {
+    #[inline(always)]
+    pub fn push(&mut self, work: &mut [Work<L>]) {
         for touch in &self.touching {
             let slot = &mut self.slots[touch.slot];
-            slot.rub -= touch.normal * touch.normal.dot(&slot.rub);
-            forces[touch.stick] += touch.normal * slot.push + slot.rub;
+            slot.rub -= touch.normal * touch.normal.dot(slot.rub);
+            work[touch.stick].force += touch.normal.mul_add(slot.push, slot.rub) * touch.touches;
         }
     }
 
     /// Corrects the forces until no point runs into the body within the step and no friction exceeds its bound.
+    #[inline(always)]
     pub fn resolve(
         &mut self,
-        lock: &Lock,
-        directions: &[Vec3],
-        steps: &[JointStep],
-        rates: &mut [Vec3],
-        model: &PaperModel,
+        sticks: &[Stick<L>],
+        motions: &mut [Motion<L>],
+        work: &[Work<L>],
+        friction: f64,
         dt_secs: f64,
     ) {
         if self.touching.is_empty() {
             return;
         }
         for _ in 0..SWEEPS {
-            self.sweep(lock, directions, steps, rates, model.friction, dt_secs);
-            let mut pull = Vec3::zeros();
-            for j in (0..lock.n_sticks()).rev() {
+            self.sweep(sticks, motions, work, L::splat(friction), L::splat(1.0 / dt_secs));
+            let mut pull = Vector::zero();
+            for j in (0..sticks.len()).rev() {
                 pull += self.corrections[j];
-                rates[j] += directions[j].cross(&pull) * (lock.lengths_m[j] * steps[j].rate_per_torque);
+                let turns = sticks[j].length * work[j].step.rate_per_torque;
+                let motion = &mut motions[j];
+                motion.rate = motion.direction.cross(pull).mul_add(turns, motion.rate);
             }
         }
     }
 
     /// From root to tip: a force at a point turns every stick before it, so the velocity that it gives the point
     /// is the sum of what it gives those sticks, which is carried along. One sweep costs no more than one step.
+    #[inline(always)]
     fn sweep(
         &mut self,
-        lock: &Lock,
-        directions: &[Vec3],
-        steps: &[JointStep],
-        rates: &[Vec3],
-        friction: f64,
-        dt_secs: f64,
+        sticks: &[Stick<L>],
+        motions: &[Motion<L>],
+        work: &[Work<L>],
+        friction: L,
+        per_dt: L,
     ) {
-        let mut velocity = Vec3::zeros();
+        let mut velocity = Vector::zero();
         // Velocity that a force at the present point gives it within the step, (m/s)/N.
-        let mut mobility = Matrix3::zeros();
-        let mut touching = self.touching.iter().peekable();
-        for (j, correction) in self.corrections.iter_mut().enumerate() {
-            let (direction, length) = (directions[j], lock.lengths_m[j]);
-            velocity += rates[j].cross(&direction) * length;
-            mobility += (Matrix3::identity() - direction * direction.transpose())
-                * (length * length * steps[j].rate_per_torque);
-            *correction = Vec3::zeros();
-            while let Some(touch) = touching.next_if(|t| t.stick == j) {
-                let change = self.slots[touch.slot].correct(touch, velocity, &mobility, friction, dt_secs);
-                velocity += mobility * change;
-                *correction += change;
+        let mut mobility = Symmetric::zero();
+        let mut next = 0;
+        for j in 0..sticks.len() {
+            let (Motion { direction, rate }, length) = (motions[j], sticks[j].length);
+            velocity = rate.cross(direction).mul_add(length, velocity);
+            let yields = length * length * work[j].step.rate_per_torque;
+            mobility.add_identity(yields);
+            mobility.add_outer(direction, -yields);
+            self.corrections[j] = Vector::zero();
+            while next < self.touching.len() && self.touching[next].stick == j {
+                let touch = &self.touching[next];
+                let change = self.slots[touch.slot].correct(touch, velocity, &mobility, friction, per_dt);
+                velocity += mobility.mul_vector(change);
+                self.corrections[j] += change;
+                next += 1;
             }
         }
     }
 
     /// Last of all: a point that is still inside is brought out by turning its stick, from root to tip.
-    pub fn keep_outside(&self, lock: &Lock, directions: &mut [Vec3], scene: &StepScene<'_>) {
-        if self.touchable.is_empty() {
-            return;
-        }
-        let mut near = lock.root_m;
-        for (j, direction) in directions.iter_mut().enumerate() {
-            let length = lock.lengths_m[j];
-            for _ in 0..MAX_PUSHES {
-                let Some(out) = self.way_out(near + *direction * length, j, lock.n_sticks(), scene) else {
-                    break;
-                };
-                *direction = (*direction * length + out).normalize();
+    #[inline(always)]
+    pub fn keep_outside(
+        &self,
+        root: Vector<L>,
+        sticks: &[Stick<L>],
+        motions: &mut [Motion<L>],
+        scene: &StepScene<'_>,
+    ) {
+        let mut near = root;
+        for (stick, seen) in self.seen.iter().enumerate() {
+            let length = sticks[stick].length;
+            let direction = &mut motions[stick].direction;
+            if !seen.is_far(direction.mul_add(length, near), L::zero()) {
+                for _ in 0..MAX_PUSHES {
+                    let (out, deepest) = self.way_out(direction.mul_add(length, near), stick, scene);
+                    let inside = deepest.above(L::splat(ON_SURFACE_M), L::one(), L::zero());
+                    if inside.largest() <= 0.0 {
+                        break;
+                    }
+                    let turned = direction.mul_add(length, out).normalized();
+                    *direction = Vector::where_above(inside, L::zero(), turned, *direction);
+                }
             }
-            near += *direction * length;
+            near = direction.mul_add(length, near);
         }
     }
 
-    /// How far and where a point must go to leave the collider it is in deepest; `None` if it is in none.
-    fn way_out(&self, point_m: Vec3, stick: usize, n: usize, scene: &StepScene<'_>) -> Option<Vec3> {
-        let mut deepest = ON_SURFACE_M;
-        let mut out = None;
-        for (place, touchable) in self.touchable.iter().enumerate() {
-            let clearance_m = self.slots[place * n + stick].clearance_m;
-            let gap = scene.surfaces[touchable.collider].gap_within(point_m, f64::max(clearance_m, 0.0));
-            let depth = gap.map_or(0.0, |gap| clearance_m - gap.distance_m);
-            if let Some(gap) = gap.filter(|_| depth > deepest) {
-                deepest = depth;
-                out = Some(gap.normal * depth);
-            }
+    /// How far and where a point must go to leave the collider it is in deepest, and how deep that is, m.
+    #[inline(always)]
+    fn way_out(&self, point: Vector<L>, stick: usize, scene: &StepScene<'_>) -> (Vector<L>, L) {
+        let (mut out, mut deepest) = (Vector::zero(), L::splat(ON_SURFACE_M));
+        for (k, (collider, _)) in self.colliders.iter().enumerate() {
+            let (gap, normal) = gaps(&scene.surfaces[*collider], point);
+            let depth = self.slots[k * self.seen.len() + stick].clearance_m - gap;
+            out = Vector::where_above(depth, deepest, normal * depth, out);
+            deepest = deepest.max(depth);
         }
-        out
+        (out, deepest)
     }
 }
 
@@ -198,38 +269,56 @@ impl Contacts {
 /// remains where the stick points into the surface: less than a tenth of it after each push.
 const MAX_PUSHES: usize = 8;
 
-impl Slot {
+/// How far a point may go before it can be nearer to a surface than it may come, m. An ellipsoid's distance is of first
+/// order: it may shrink twice as fast as the point moves.
+#[inline(always)]
+fn room<L: Lane>(gap: L, clearance_m: L) -> L {
+    let never = L::splat(f64::NEG_INFINITY);
+    let room_m = (gap - clearance_m.max(L::zero())) * L::splat(0.5);
+    clearance_m.above(never, room_m, L::splat(f64::INFINITY))
+}
+
+impl<L: Lane> Seen<L> {
+    /// Whether no strand's point can have come within a margin of anything, now that it is at a place.
+    #[inline(always)]
+    fn is_far(&self, place: Vector<L>, margin_m: L) -> bool {
+        let room_m = (self.room_m - margin_m).max(L::zero());
+        (room_m * room_m - (place - self.place).norm_squared()).smallest() > 0.0
+    }
+}
+
+impl<L: Lane> Slot<L> {
     /// The change of force that keeps the point out and rubs it, N.
+    #[inline(always)]
     fn correct(
         &mut self,
-        touch: &Touch,
-        velocity: Vec3,
-        mobility: &Matrix3<f64>,
-        friction: f64,
-        dt_secs: f64,
-    ) -> Vec3 {
+        touch: &Touch<L>,
+        velocity: Vector<L>,
+        mobility: &Symmetric<L>,
+        friction: L,
+        per_dt: L,
+    ) -> Vector<L> {
+        let tiny = L::splat(1e-30);
         let normal = touch.normal;
-        let before = normal * self.push + self.rub;
+        let before = normal.mul_add(self.push, self.rub);
         // How far the point goes along the normal or along the surface for each newton.
-        let yields = |along: Vec3| along.dot(&(mobility * along)).max(f64::MIN_POSITIVE);
-        let approach = velocity.dot(&normal) + touch.room_m / dt_secs;
-        let push = f64::max(self.push - approach / yields(normal), 0.0);
-        if !push.is_finite() {
-            return Vec3::zeros();
-        }
-        self.push = push;
-        let sliding = velocity + mobility * (normal * self.push + self.rub - before) - touch.surface_velocity;
-        let sliding = sliding - normal * normal.dot(&sliding);
-        let speed = sliding.norm();
-        if speed > 0.0 {
-            let along = sliding / speed;
-            self.rub -= along * (speed / yields(along)).min(2.0 * friction * push);
-        }
-        let bound = friction * self.push;
-        let rub = self.rub.norm();
-        if rub > bound {
-            self.rub *= bound / rub;
-        }
-        normal * self.push + self.rub - before
+        let yields = |along: Vector<L>| along.dot(mobility.mul_vector(along)).max(tiny);
+        let approach = touch.room_m.mul_add(per_dt, velocity.dot(normal));
+        let push = (self.push - approach / yields(normal)).max(L::zero());
+        // Nothing is done about what is not finite, nor for a strand that does not touch.
+        let done = L::splat(f64::from(f32::MAX)).above(push, touch.touches, L::zero());
+        let sliding =
+            velocity + mobility.mul_vector(normal.mul_add(push, self.rub) - before) - touch.surface_velocity;
+        let sliding = sliding - normal * normal.dot(sliding);
+        let speed = sliding.norm_squared().sqrt();
+        let along = sliding * (L::one() / speed.max(tiny));
+        let bound = friction * push;
+        let mut rub = self.rub - along * (speed / yields(along)).min(bound + bound);
+        let rubs = rub.norm_squared().sqrt();
+        rub = rub * (bound / rubs.max(tiny)).min(L::one());
+        self.push = done.above(L::zero(), push, self.push);
+        self.rub = Vector::where_above(done, L::zero(), rub, self.rub);
+        let after = normal.mul_add(self.push, self.rub);
+        Vector::where_above(done, L::zero(), after - before, Vector::zero())
     }
 }

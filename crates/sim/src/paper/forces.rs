@@ -1,99 +1,179 @@
-use super::{AirOnStick, PaperModel, PaperStrand};
+use super::{AirOnStick, Batch, PaperModel, Stick, Work};
+use crate::lane::{Lane, Symmetric, Vector};
 use crate::timeline::StepScene;
-use nalgebra::Matrix3;
-use tousle_core::{HeadMotion, Quantity, Vec3};
+use tousle_core::{HeadMotion, Quantity};
+use tousle_field::Moment;
+use tousle_rod::DragLaw;
 
-impl PaperStrand {
+/// Points whose wind is asked for at once.
+const SAMPLED_TOGETHER: usize = 64;
+
+impl<L: Lane> Batch<L> {
     /// g and Ξ of E2: gravity turned into head axes, and the inertia of a head that speeds up or turns.
-    pub(super) fn weigh(&mut self, scene: &StepScene<'_>) {
-        for (force, mass) in self.work.forces.iter_mut().zip(&self.lock.masses_kg) {
-            *force = scene.gravity * *mass;
+    #[inline(always)]
+    pub(super) fn weigh(&mut self, work: &mut [Work<L>], scene: &StepScene<'_>) {
+        let gravity = Vector::splat(scene.gravity);
+        for (stick, work) in self.sticks.iter().zip(&mut *work) {
+            work.force = gravity * stick.mass;
         }
         if let Some(head) = &scene.head {
-            self.move_head(head, scene.dt_secs);
+            self.move_head(work, head, scene.dt_secs);
         }
     }
 
-    fn move_head(&mut self, head: &HeadMotion, dt_secs: f64) {
-        let turning = head.angular_velocity;
-        for (j, force) in self.work.forces.iter_mut().enumerate() {
-            let point = self.work.ends_m[j];
-            let acceleration = head.acceleration
-                + head.angular_acceleration.cross(&point)
-                + turning.cross(&turning.cross(&point));
-            *force -= acceleration * self.lock.masses_kg[j];
+    #[inline(always)]
+    fn move_head(&mut self, work: &mut [Work<L>], head: &HeadMotion, dt_secs: f64) {
+        let turning = Vector::splat(head.angular_velocity);
+        let speeding_up = Vector::splat(head.angular_acceleration);
+        let acceleration = Vector::splat(head.acceleration);
+        for ((stick, motion), work) in self.sticks.iter().zip(&mut self.motions).zip(work) {
+            let felt = acceleration + speeding_up.cross(work.end) + turning.cross(turning.cross(work.end));
+            work.force -= felt * stick.mass;
             // Coriolis' force on a stick turns its rate about the stick and changes nothing else of it. To turn
             // the rate by that angle is exact for a stick alone and keeps its energy for every step.
-            let direction = self.directions[j];
-            let (sin, cos) = libm::sincos(-2.0 * turning.dot(&direction) * dt_secs);
-            self.rates[j] = self.rates[j] * cos + direction.cross(&self.rates[j]) * sin;
+            let angle = turning.dot(motion.direction) * L::splat(-2.0 * dt_secs);
+            let (mut cos, mut sin) = (L::zero(), L::zero());
+            for lane in 0..L::N {
+                let (s, c) = libm::sincos(angle.get(lane));
+                sin.set(lane, s);
+                cos.set(lane, c);
+            }
+            motion.rate = motion.rate.mul_add(cos, motion.direction.cross(motion.rate) * sin);
         }
     }
 
     /// Ω of E2, and what I2 stands for: the air's push on each stick, half of it at either end.
-    pub(super) fn blow(&mut self, model: &PaperModel, scene: &StepScene<'_>) {
-        let mut near = self.lock.root_m;
-        let mut near_velocity = Vec3::zeros();
-        for j in 0..self.lock.n_sticks() {
-            let (far, far_velocity) = (self.work.ends_m[j], self.work.velocities[j]);
-            let middle = (near + far) * 0.5;
-            let air = self.air_on_stick(model, scene, j, middle, (near_velocity + far_velocity) * 0.5);
-            self.work.forces[j] += air.force * 0.5;
+    #[inline(always)]
+    pub(super) fn blow(&self, work: &mut [Work<L>], model: &PaperModel, scene: &StepScene<'_>) {
+        self.feel_wind(work, scene.wind.as_ref());
+        let half = L::splat(0.5);
+        let mut near_velocity = Vector::zero();
+        let mut near = self.root;
+        for j in 0..work.len() {
+            let (far, far_velocity) = (work[j].end, work[j].velocity);
+            let velocity = (near_velocity + far_velocity) * half;
+            let stick = &self.sticks[j];
+            let direction = self.motions[j].direction;
+            // Air velocity acts through the drag law, less the strand's own velocity. A force per mass acts as it is;
+            // the resistance that the air then offers is that of the wind whose push across the stick it would be.
+            let (wind, push) = match model.terms.quantity {
+                Quantity::AirVelocity => {
+                    let middle = (near + far) * half;
+                    let head = scene.head.as_ref().map_or(Vector::zero(), |head| {
+                        Vector::splat(head.velocity) + Vector::splat(head.angular_velocity).cross(middle)
+                    });
+                    (work[j].wind - head, Vector::zero())
+                }
+                Quantity::ForcePerMass => {
+                    wind_that_pushes(model, stick, work[j].wind * stick.density, direction)
+                }
+            };
+            let (force, air) = air_on_stick(stick, direction, wind, velocity);
+            let half_force = push.mul_add(stick.hair_length, force) * half;
+            work[j].force += half_force;
             if j > 0 {
-                self.work.forces[j - 1] += air.force * 0.5;
+                work[j - 1].force += half_force;
             }
-            self.work.air[j] = air;
+            work[j].air = air;
             (near, near_velocity) = (far, far_velocity);
         }
     }
 
-    /// Air velocity acts through the drag law, less the strand's own velocity. A force per mass acts as it is;
-    /// the resistance that the air then offers is that of the wind whose push across the stick it would be.
-    fn air_on_stick(
-        &self,
-        model: &PaperModel,
-        scene: &StepScene<'_>,
-        j: usize,
-        middle: Vec3,
-        velocity: Vec3,
-    ) -> AirOnStick {
-        let direction = self.directions[j];
-        let lock = &self.lock;
-        let vector = scene.wind.map_or_else(Vec3::zeros, |wind| wind.sample(middle));
-        let (wind, push) = match model.terms.quantity {
-            Quantity::AirVelocity => {
-                let head = scene.head.map_or_else(Vec3::zeros, |head| head.velocity_of(middle));
-                (vector - head, Vec3::zeros())
+    /// Samples the field at the middle of every stick.
+    #[inline(always)]
+    fn feel_wind(&self, work: &mut [Work<L>], wind: Option<&Moment<'_>>) {
+        let Some(wind) = wind else { return };
+        let half = L::splat(0.5);
+        let mut before = self.root;
+        let (mut points, mut winds) = ([[0.0; 3]; SAMPLED_TOGETHER], [[0.0; 3]; SAMPLED_TOGETHER]);
+        for sticks in work.chunks_mut(SAMPLED_TOGETHER / L::N) {
+            for (points, work) in points.chunks_exact_mut(L::N).zip(&*sticks) {
+                let middle = (before + work.end) * half;
+                for (lane, point) in points.iter_mut().enumerate() {
+                    *point = [middle.x, middle.y, middle.z].map(|c| c.get(lane) as f32);
+                }
+                before = work.end;
             }
-            Quantity::ForcePerMass => {
-                let push = vector * lock.linear_densities_kg_per_m[j];
-                model.wind_that_pushes(push, direction, lock.widths_m[j])
+            let n = sticks.len() * L::N;
+            wind.sample_all(&points[..n], &mut winds[..n]);
+            for (winds, work) in winds.chunks_exact(L::N).zip(sticks) {
+                for (lane, wind) in winds.iter().enumerate() {
+                    work.wind.set(lane, wind.map(f64::from).into());
+                }
             }
-        };
-        let drag = model.drag.at(lock.widths_m[j], direction, wind - velocity);
-        let length = lock.hair_lengths_m[j];
-        let outer = |a: Vec3| a * a.transpose();
-        let along = outer(direction);
-        let across = Matrix3::identity() - along + outer(drag.direction);
-        AirOnStick {
-            force: (drag.force + push) * length,
-            resisted: drag.change(direction, velocity) * length,
-            resistance: (across * drag.across + along * drag.along) * length,
-            // Twice the resistance across is what a motion along the wind meets; along the stick it is less.
-            most: f64::max(2.0 * drag.across, drag.along) * length,
         }
     }
 }
 
-impl PaperModel {
-    /// The wind across a stick whose push on it is the part across of this force per length, N/m; and the rest.
-    fn wind_that_pushes(&self, push: Vec3, direction: Vec3, width_m: f64) -> (Vec3, Vec3) {
-        let along = direction * direction.dot(&push);
-        let across = push - along;
-        let strength = across.norm();
-        if !self.terms.air || strength == 0.0 {
-            return (Vec3::zeros(), push);
-        }
-        (across * (self.drag.speed_across(width_m, strength) / strength), along)
+/// The air's push on a stick's hair, N, and how it resists ([`DragLaw::at`], [`tousle_rod::Drag::change`]).
+#[inline(always)]
+fn air_on_stick<L: Lane>(
+    stick: &Stick<L>,
+    direction: Vector<L>,
+    wind: Vector<L>,
+    velocity: Vector<L>,
+) -> (Vector<L>, AirOnStick<L>) {
+    let relative = wind - velocity;
+    let speed_along = relative.dot(direction);
+    let across = direction.mul_add(-speed_along, relative);
+    let speed2 = across.norm_squared();
+    let speed = speed2.sqrt();
+    let drag = stick.drag * stick.hair_length;
+    let resists_across = drag * stick.viscous.mul_add(speed.cbrt(), speed);
+    let skin = drag * L::splat(core::f64::consts::PI * DragLaw::ALONG) * speed_along.max(-speed_along);
+    let force = across.mul_add(resists_across, direction * (skin * speed_along));
+    let resists_along = skin + skin;
+    // Nothing in still air.
+    let per_speed2 = speed2.above(L::zero(), L::one() / speed2.max(L::splat(1e-30)), L::zero());
+    let mut resistance = Symmetric::scaled_identity(resists_across);
+    resistance.add_outer(direction, resists_along - resists_across);
+    resistance.add_outer(across, resists_across * per_speed2);
+    let air = AirOnStick {
+        resisted: resistance.mul_vector(velocity),
+        resistance,
+        // Twice the resistance across is what a motion along the wind meets; along the stick it is less.
+        most: (resists_across + resists_across).max(resists_along),
+    };
+    (force, air)
+}
+
+/// The wind across a stick whose push on it is the part across of this force per length, N/m; and the rest.
+#[inline(always)]
+fn wind_that_pushes<L: Lane>(
+    model: &PaperModel,
+    stick: &Stick<L>,
+    push: Vector<L>,
+    direction: Vector<L>,
+) -> (Vector<L>, Vector<L>) {
+    if !model.terms.air {
+        return (Vector::zero(), push);
     }
+    let along = direction * direction.dot(push);
+    let across = push - along;
+    let strength = across.norm_squared().sqrt();
+    let speed = speed_across(stick, strength);
+    (across * (speed / strength.max(L::splat(1e-30))), along)
+}
+
+/// [`DragLaw::speed_across`] for many strands, each as if it were alone.
+#[inline(always)]
+fn speed_across<L: Lane>(stick: &Stick<L>, force: L) -> L {
+    let tiny = L::splat(1e-30);
+    let drag = stick.drag.max(tiny);
+    let mut speed = (force / drag).sqrt();
+    // 1 for a strand whose speed is not found yet.
+    let mut active = force.above(L::zero(), L::one(), L::zero());
+    for _ in 0..20 {
+        // Of u² + b u^(4/3), and its slope.
+        let viscous = stick.viscous * speed.cbrt();
+        let over = (speed + viscous) * speed - force / drag;
+        let slope = (speed + speed) + viscous * L::splat(4.0 / 3.0);
+        let step = over / slope.max(tiny) * active;
+        speed -= step;
+        active = step.max(-step).above(speed * L::splat(1e-12), active, L::zero());
+        if active.largest() <= 0.0 {
+            break;
+        }
+    }
+    speed
 }

@@ -1,31 +1,31 @@
 //! The loop over steps and strands, and what is reported of it.
 
-use super::{PaperModel, PaperStrand};
+use super::build::Prepared;
+use super::{Batch, PaperModel, Work};
 use crate::assumptions::assumptions;
 use crate::frames::{Frames, max_stretch, single};
+use crate::lane::{Lane, Wide4, Wide8};
 use crate::parts::{Count, Part, run_parts};
 use crate::plan::plan;
 use crate::stability::limit;
-use crate::timeline::{StepScene, Timeline};
-use crate::touchable::{Touchable, n_reaching, touchable};
-use crate::{Keeper, SimError, SimOptions, SimReport, Simulation};
+use crate::timeline::{StepScene, TOGETHER_FROM, Timeline};
+use crate::touchable::{n_reaching, touchable};
+use crate::{Keeper, Precision, SimError, SimOptions, SimReport, Simulation};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tousle_core::{Groom, NoProgress, Pose, Progress, StrandMotion};
-use tousle_field::{FieldLayer, FieldSequence, Scene};
+use tousle_field::{FieldLayer, FieldSequence, Sampler, Scene};
 use tousle_rod::{DragLaw, Likely, Lock, Surface, Twist, rest_state};
 
 /// Steps that a strand runs before the next one's turn: enough to spread the cost of preparing what the world
 /// does, few enough that it is prepared in little memory and progress is seen.
 const BLOCK_STEPS: usize = 32;
 
-/// A strand on its way, and how it hangs at rest.
+/// Strands side by side, somewhere on their way.
 #[derive(Clone, Debug)]
-pub(crate) struct Prepared {
-    strand: PaperStrand,
-    touchable: Vec<Touchable>,
-    /// Deepest that its rest curve lies in the body, m.
-    deepest_m: f64,
+pub(crate) enum Held {
+    Double(Vec<Batch<Wide4>>),
+    Single(Vec<Batch<Wide8>>),
 }
 
 /// A run that is prepared: all that layers on the field do not change.
@@ -36,6 +36,7 @@ pub(crate) struct Ready<'a> {
     groom: &'a Groom,
     options: &'a SimOptions,
     timeline: Timeline<'a>,
+    sampler: Sampler<'a>,
     drag: DragLaw,
     strands: Vec<Prepared>,
 }
@@ -43,6 +44,7 @@ pub(crate) struct Ready<'a> {
 /// What layers on the field make of it.
 struct Layered<'a> {
     timeline: Timeline<'a>,
+    sampler: Sampler<'a>,
     model: PaperModel,
     /// The integrator's limit for this groom, in words.
     limit: String,
@@ -58,7 +60,8 @@ impl<'a> Ready<'a> {
         let timeline = Timeline::new(field, scene, options, groom.n_points())?;
         let strands = prepare(scene, groom, &timeline);
         let drag = DragLaw::in_air(scene.air_density);
-        Ok(Self { field, scene, groom, options, timeline, drag, strands })
+        let sampler = Sampler::new(field, |_| false);
+        Ok(Self { field, scene, groom, options, timeline, sampler, drag, strands })
     }
 
     pub fn run(
@@ -92,42 +95,58 @@ impl<'a> Ready<'a> {
     }
 
     /// Some strands, in ascending order, moved to a frame.
-    pub fn hold(
-        &self,
-        layers: &[FieldLayer],
-        strands: &[usize],
-        frame: usize,
-    ) -> Result<Vec<Prepared>, SimError> {
+    pub fn hold(&self, layers: &[FieldLayer], strands: &[usize], frame: usize) -> Result<Held, SimError> {
         let layered = self.layered(layers)?;
-        let mut held = self.at_rest(strands);
-        layered.move_to(&mut held, (0, frame), &NoProgress, |_, _, _| ());
-        Ok(held)
+        Ok(match self.options.precision {
+            Precision::Double => Held::Double(self.hold_batches(&layered, strands, frame)),
+            Precision::Single => Held::Single(self.hold_batches(&layered, strands, frame)),
+        })
+    }
+
+    fn hold_batches<L: Lane>(&self, layered: &Layered<'_>, strands: &[usize], frame: usize) -> Vec<Batch<L>> {
+        let mut batches = self.at_rest(strands);
+        self.move_to(layered, &mut batches, (0, frame), &NoProgress, |_, _, _| ());
+        batches
     }
 
     /// Held strands from their frame to another one, both included.
     pub fn go_on(
         &self,
-        held: &[Prepared],
+        held: &Held,
         layers: &[FieldLayer],
         strands: &[usize],
-        (first, last): (usize, usize),
+        frames: (usize, usize),
     ) -> Result<Vec<[f32; 3]>, SimError> {
         let layered = self.layered(layers)?;
+        Ok(match held {
+            Held::Double(batches) => self.move_on(&layered, batches.clone(), strands, frames),
+            Held::Single(batches) => self.move_on(&layered, batches.clone(), strands, frames),
+        })
+    }
+
+    fn move_on<L: Lane>(
+        &self,
+        layered: &Layered<'_>,
+        mut batches: Vec<Batch<L>>,
+        strands: &[usize],
+        (first, last): (usize, usize),
+    ) -> Vec<[f32; 3]> {
         let mut frames = Frames::new(self.groom, strands, last - first + 1);
-        let mut held = held.to_vec();
-        for (strand, s) in held.iter_mut().zip(strands) {
-            frames.put(0, &[*s], &strand.points());
+        for batch in &batches {
+            let mut points = Vec::new();
+            self.put_points(batch, &mut points);
+            frames.put(0, &batch.strands, &points);
         }
-        layered.move_to(&mut held, (first, last), &NoProgress, |k, frame, points| {
-            frames.put(frame - first, &[strands[k]], points);
+        self.move_to(layered, &mut batches, (first, last), &NoProgress, |frame, strands, points| {
+            frames.put(frame - first, strands, points);
         });
-        Ok(frames.positions_m)
+        frames.positions_m
     }
 
     /// One held strand under each of some variants' layers beside the common ones, as by [`Ready::go_on`].
     pub fn variants(
         &self,
-        held: &[Prepared],
+        held: &Held,
         layers: &[FieldLayer],
         variants: &[&[FieldLayer]],
         strand: usize,
@@ -146,22 +165,40 @@ impl<'a> Ready<'a> {
         let model = PaperModel {
             integrator: self.options.integrator(),
             terms: timeline.terms,
-            drag: self.drag,
             friction: self.scene.body.friction,
         };
-        Ok(Layered { timeline, model, limit })
+        Ok(Layered { timeline, sampler: self.sampler.with_layers(layers), model, limit })
     }
 
-    fn at_rest(&self, strands: &[usize]) -> Vec<Prepared> {
-        strands.iter().map(|s| self.strands[*s].clone()).collect()
+    /// Strands of as many sticks side by side.
+    fn at_rest<L: Lane>(&self, strands: &[usize]) -> Vec<Batch<L>> {
+        let mut order = strands.to_vec();
+        order.sort_by_key(|s| self.strands[*s].lock.n_sticks());
+        let batch = |strands: &[usize]| {
+            let strands: Vec<_> = strands.iter().map(|s| (*s, &self.strands[*s])).collect();
+            Batch::new(&strands, &self.drag)
+        };
+        order.chunks(L::N).map(batch).collect()
     }
 
     fn move_strands(&self, layered: &Layered<'_>, some: &[usize], progress: &dyn Progress) -> Vec<[f32; 3]> {
+        match self.options.precision {
+            Precision::Double => self.move_all::<Wide4>(layered, some, progress),
+            Precision::Single => self.move_all::<Wide8>(layered, some, progress),
+        }
+    }
+
+    fn move_all<L: Lane>(
+        &self,
+        layered: &Layered<'_>,
+        some: &[usize],
+        progress: &dyn Progress,
+    ) -> Vec<[f32; 3]> {
         let n_frames = layered.timeline.n_frames;
         let mut frames = Frames::new(self.groom, some, n_frames);
-        let mut strands = self.at_rest(some);
-        layered.move_to(&mut strands, (0, n_frames - 1), progress, |k, frame, points| {
-            frames.put(frame, &[some[k]], points);
+        let mut batches: Vec<Batch<L>> = self.at_rest(some);
+        self.move_to(layered, &mut batches, (0, n_frames - 1), progress, |frame, strands, points| {
+            frames.put(frame, strands, points);
         });
         frames.positions_m
     }
@@ -181,7 +218,75 @@ impl<'a> Ready<'a> {
             unsettled_m: 0.0,
             plan: plan(self.field, self.scene, timeline, &n_reaching),
             max_stretch: max_stretch(motion),
-            assumed: assumptions(self.groom, timeline, self.strands.iter().map(|s| s.deepest_m)),
+            assumed: assumptions(self.groom, timeline, self.strands.iter().map(Prepared::deepest_m)),
+        }
+    }
+
+    /// Moves batches from a frame to another. `put` gets the frame, some strands, and their points without the roots.
+    fn move_to<L: Lane>(
+        &self,
+        layered: &Layered<'_>,
+        batches: &mut [Batch<L>],
+        (first, last): (usize, usize),
+        progress: &dyn Progress,
+        mut put: impl FnMut(usize, &[usize], &[[f32; 3]]),
+    ) {
+        let per_frame = layered.timeline.steps_per_frame;
+        let (start, end) = (first * per_frame, last * per_frame);
+        let n_strands: usize = batches.iter().map(|b| b.strands.len()).sum();
+        let total = (n_strands * (end - start)) as u64;
+        let together = self.groom.n_points() > TOGETHER_FROM;
+        let done = AtomicU64::new(0);
+        for begin in (start..end).step_by(BLOCK_STEPS) {
+            let steps = begin..(begin + BLOCK_STEPS).min(end);
+            let scene = |step: usize| layered.timeline.step_scene(step, &layered.sampler, together);
+            let scenes: Vec<_> = steps.clone().map(scene).collect();
+            let blocks: Vec<Vec<[f32; 3]>> = batches
+                .par_iter_mut()
+                .map_init(Vec::new, |work, batch| {
+                    let frames = self.move_batch(layered, batch, work, begin, &scenes);
+                    let n = (batch.strands.len() * steps.len()) as u64;
+                    progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
+                    frames
+                })
+                .collect();
+            for (batch, block) in batches.iter().zip(blocks) {
+                for (k, points) in block.chunks_exact(self.n_points(batch)).enumerate() {
+                    put(begin / per_frame + 1 + k, &batch.strands, points);
+                }
+            }
+        }
+    }
+
+    /// Runs a batch through some steps. Out: its points, roots left out, in every frame that these complete.
+    fn move_batch<L: Lane>(
+        &self,
+        layered: &Layered<'_>,
+        batch: &mut Batch<L>,
+        work: &mut Vec<Work<L>>,
+        begin: usize,
+        scenes: &[StepScene<'_>],
+    ) -> Vec<[f32; 3]> {
+        let per_frame = layered.timeline.steps_per_frame;
+        let mut frames = Vec::with_capacity((scenes.len() / per_frame + 1) * self.n_points(batch));
+        for (k, scene) in scenes.iter().enumerate() {
+            batch.step(work, &layered.model, scene);
+            if (begin + k + 1).is_multiple_of(per_frame) {
+                self.put_points(batch, &mut frames);
+            }
+        }
+        frames
+    }
+
+    /// Points of a batch's strands, roots left out.
+    fn n_points<L: Lane>(&self, batch: &Batch<L>) -> usize {
+        batch.strands.iter().map(|s| self.strands[*s].lock.n_sticks()).sum()
+    }
+
+    /// Adds these points to others, strand after strand.
+    fn put_points<L: Lane>(&self, batch: &Batch<L>, points: &mut Vec<[f32; 3]>) {
+        for (lane, s) in batch.strands.iter().enumerate() {
+            points.extend(batch.ends_m(lane, self.strands[*s].lock.n_sticks()).map(single));
         }
     }
 }
@@ -221,66 +326,7 @@ fn prepare(scene: &Scene, groom: &Groom, timeline: &Timeline<'_>) -> Vec<Prepare
         let lock = Lock::new(strand);
         let rest = rest_state(&lock, gravity, &scene.body, &Likely::smooth(&lock, Twist::Free));
         let touchable = touchable(scene, timeline, &surfaces, &lock, &rest);
-        let deepest_m = -rest.clearances_m.iter().copied().fold(0.0, f64::min);
-        Prepared { strand: PaperStrand::new(lock, &rest, &touchable), touchable, deepest_m }
+        Prepared { lock, rest, touchable }
     };
     groom.strands.par_iter().map(prepare).collect()
-}
-
-impl Layered<'_> {
-    /// Moves strands from a frame to another. `put` gets which one it is, the frame, and its points without the root.
-    fn move_to(
-        &self,
-        strands: &mut [Prepared],
-        (first, last): (usize, usize),
-        progress: &dyn Progress,
-        mut put: impl FnMut(usize, usize, &[[f32; 3]]),
-    ) {
-        let per_frame = self.timeline.steps_per_frame;
-        let (start, end) = (first * per_frame, last * per_frame);
-        let total = (strands.len() * (end - start)) as u64;
-        let done = AtomicU64::new(0);
-        for begin in (start..end).step_by(BLOCK_STEPS) {
-            let steps = begin..(begin + BLOCK_STEPS).min(end);
-            let scenes: Vec<_> = steps.clone().map(|step| self.timeline.step_scene(step)).collect();
-            let blocks: Vec<Vec<Vec<[f32; 3]>>> = strands
-                .par_iter_mut()
-                .map(|strand| {
-                    let frames = self.move_strand(strand, begin, &scenes);
-                    let n = steps.len() as u64;
-                    progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
-                    frames
-                })
-                .collect();
-            for (s, block) in blocks.into_iter().enumerate() {
-                for (k, points) in block.into_iter().enumerate() {
-                    put(s, begin / per_frame + 1 + k, &points);
-                }
-            }
-        }
-    }
-
-    /// Runs a strand through some steps. Out: its points, the root left out, in every frame that these complete.
-    fn move_strand(
-        &self,
-        prepared: &mut Prepared,
-        begin: usize,
-        scenes: &[StepScene<'_>],
-    ) -> Vec<Vec<[f32; 3]>> {
-        let mut frames = Vec::new();
-        for (k, scene) in scenes.iter().enumerate() {
-            prepared.strand.step(&self.model, scene);
-            if (begin + k + 1).is_multiple_of(self.timeline.steps_per_frame) {
-                frames.push(prepared.points());
-            }
-        }
-        frames
-    }
-}
-
-impl Prepared {
-    /// The points as the result holds them, the root left out.
-    fn points(&mut self) -> Vec<[f32; 3]> {
-        self.strand.ends_m().iter().copied().map(single).collect()
-    }
 }

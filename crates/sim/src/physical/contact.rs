@@ -87,7 +87,7 @@ pub(super) fn depth_of(give_m: f64) -> f64 {
 
 /// Distance of points from a surface, m, and the way out, for many strands ([`Surface::gap`]).
 #[inline(always)]
-fn gaps<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L>) {
+pub(crate) fn gaps<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L>) {
     match surface.shape() {
         SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => {
             let rows =

@@ -60,6 +60,9 @@ const DOUBT2: f64 = 4.0;
 const BEST_CONTRACTION2: f64 = 4e-4;
 const FORGOTTEN2: f64 = 1.2;
 
+/// Squared updates below this are rounding, m².
+const TINY2: f64 = 1e-32;
+
 /// Points whose wind is asked for at once.
 const SAMPLED_TOGETHER: usize = 64;
 
@@ -131,8 +134,12 @@ impl<L: Lane> Batch<L> {
     /// much smaller the second was in an earlier step. What surfaces do other than was foretold is known, and counts too.
     #[inline(always)]
     fn settle(&mut self, work: &mut [Work<L>], model: &Model, now: &Now<'_>, weights: &Weights<L>) {
-        let tolerance_m = model.settled_m(weights.h.get(0));
-        let tolerance2 = L::splat(tolerance_m * tolerance_m);
+        let square = |tolerance_m: f64| {
+            let tolerance_m = f64::max(tolerance_m, model.resolution_m);
+            L::splat(tolerance_m * tolerance_m)
+        };
+        let h_secs = weights.h.get(0);
+        let (settled2, felt2) = (square(model.settled_m(h_secs)), square(model.felt_m(h_secs)));
         // 1 for a strand that still moves, 0 for one that has settled, whatever its neighbors in the batch do.
         let mut active = L::one();
         let mut moved2_before = L::zero();
@@ -158,7 +165,7 @@ impl<L: Lane> Batch<L> {
             let off2 = self.feel_contacts(work, model, now, weights);
             self.count.iterations += 1;
             if iteration > 0 {
-                let measured2 = (moved2 / moved2_before.max(L::splat(1e-30)) * L::splat(DOUBT2))
+                let measured2 = (moved2 / moved2_before.max(L::splat(TINY2)) * L::splat(DOUBT2))
                     .max(L::splat(BEST_CONTRACTION2))
                     .min(L::one());
                 contraction2 = if share_of_way(iteration) < 1.0 { L::one() } else { measured2 };
@@ -167,7 +174,8 @@ impl<L: Lane> Batch<L> {
                 }
             }
             moved2_before = moved2;
-            active = (moved2 * contraction2).max(off2).above(tolerance2, active, L::zero());
+            let expected2 = moved2 * contraction2;
+            active = expected2.above(settled2, active, off2.above(felt2, active, L::zero()));
             if active.largest() <= 0.0 {
                 return;
             }

@@ -11,7 +11,7 @@ use crate::Integrator;
 use crate::frames::{Frames, single};
 use crate::lane::{Lane, Wide1};
 use crate::parts::Part;
-use crate::timeline::Timeline;
+use crate::timeline::{TOGETHER_FROM, Timeline};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tousle_core::{Groom, Progress};
@@ -34,9 +34,6 @@ pub(super) struct March<'a> {
     pub law: DragLaw,
     pub progress: &'a dyn Progress,
 }
-
-/// More points than this, and a step's field is laid together for the whole grid before they ask.
-const TOGETHER_FROM: usize = 6_000;
 
 /// Steps that a batch runs before the next one's turn. Few batches stay in the nearest memory with all they need; with
 /// many, it is the laid-together fields that must stay there.

@@ -1,0 +1,98 @@
+//! Transcendental functions where they are needed, by power series: the same on every machine.
+
+use super::Lane;
+
+/// Σ terms[k] xᵏ.
+#[inline(always)]
+pub(crate) fn series<L: Lane, const N: usize>(x: L, terms: [f64; N]) -> L {
+    let mut sum = L::splat(terms[N - 1]);
+    for k in (0..N - 1).rev() {
+        sum = sum.mul_add(x, L::splat(terms[k]));
+    }
+    sum
+}
+
+/// e^(−x) − 1 for x ≥ 0, to a few units in the last place.
+///
+/// With x = r − k ln 2, |r| ≤ ½ ln 2: the first term that is left out of the series for e^r − 1 is below 1e-16 of it.
+#[inline(always)]
+pub(crate) fn fade<L: Lane>(x: L) -> L {
+    // Of an even longer fade nothing is left either.
+    let down = -x.min(L::splat(80.0));
+    let k = (down * L::splat(core::f64::consts::LOG2_E)).round();
+    // ln 2 in two parts, so that k times the first is exact.
+    let r = k.mul_add(L::splat(-LN_2_HIGH), down);
+    let r = k.mul_add(L::splat(-LN_2_LOW), r);
+    let rises = r * series(r, OVER_FACTORIALS);
+    let scale = k.exp2_whole();
+    scale.mul_add(rises, scale - L::one())
+}
+
+/// ln 2 to 11 bits, which leaves room for whole numbers up to 120 in single precision too; and the rest.
+const LN_2_HIGH: f64 = 0.693_359_375;
+const LN_2_LOW: f64 = core::f64::consts::LN_2 - LN_2_HIGH;
+
+/// 1 / (k + 1)!
+const OVER_FACTORIALS: [f64; 14] = {
+    let mut terms = [1.0; 14];
+    let mut k = 1;
+    while k < 14 {
+        terms[k] = terms[k - 1] / (k + 1) as f64;
+        k += 1;
+    }
+    terms
+};
+
+/// sin x for 0 ≤ x ≤ π/4; the first term that is left out is below 1e-16 of it.
+#[inline(always)]
+pub(crate) fn sine_to_quarter<L: Lane>(x: L) -> L {
+    x * series(x * x, SINE)
+}
+
+/// cos x and sin x / x from x² ≤ 1; the first terms that are left out are below 1e-16.
+#[inline(always)]
+pub(crate) fn cos_and_sine_share<L: Lane>(x2: L) -> (L, L) {
+    (series(x2, COSINE), series(x2, SINE))
+}
+
+/// (−1)ᵏ / (2 k + 1)! and (−1)ᵏ / (2 k)!
+const SINE: [f64; 9] = alternating(1);
+const COSINE: [f64; 10] = alternating(0);
+
+const fn alternating<const N: usize>(first: usize) -> [f64; N] {
+    let mut terms = [1.0; N];
+    let mut k = 1;
+    while k < N {
+        let at = 2 * k + first;
+        terms[k] = -terms[k - 1] / (at * (at - 1)) as f64;
+        k += 1;
+    }
+    terms
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lane::Wide4;
+
+    #[test]
+    fn functions_are_those_of_the_library() {
+        for k in 0..2000 {
+            let x = f64::from(k) * 1e-3;
+            let (angle, long) = (x * 0.39, x * x * x * 6.0);
+            let close = |found: Wide4, expected: f64| {
+                assert!(
+                    (found.get(1) - expected).abs() <= 1e-15 * expected.abs(),
+                    "{x} {found:?} {expected}"
+                );
+            };
+            close(fade(Wide4::splat(x)), libm::expm1(-x));
+            close(fade(Wide4::splat(long)), libm::expm1(-long));
+            close(sine_to_quarter(Wide4::splat(angle)), libm::sin(angle));
+            let (cos, share) = cos_and_sine_share(Wide4::splat(angle * angle));
+            close(cos, libm::cos(angle));
+            close(share * Wide4::splat(angle), libm::sin(angle));
+        }
+        assert_eq!(fade(Wide4::splat(f64::INFINITY)).get(0), -1.0);
+    }
+}
