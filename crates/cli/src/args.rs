@@ -303,6 +303,27 @@ pub struct GroomArgs {
     pub fit_to_head: bool,
 }
 
+/// The shot's own body.
+#[derive(Clone, Debug, Args)]
+pub struct BodyArgs {
+    /// A closed triangle mesh of the shot's own head, in place of the field's shapes that move with the head. Its origin
+    /// is the head's center.
+    #[arg(long, value_name = "HEAD.obj", requires_all = ["mesh_unit", "mesh_up"])]
+    pub head_mesh: Option<PathBuf>,
+    /// The same for what stays with the torso, placed as it is while the head is at rest.
+    #[arg(long, value_name = "TORSO.obj", requires_all = ["mesh_unit", "mesh_up"])]
+    pub torso_mesh: Option<PathBuf>,
+    /// The unit of the meshes' positions; no OBJ file states it.
+    #[arg(long, value_parser = parse_unit, value_name = "mm|cm|m|in")]
+    pub mesh_unit: Option<tousle_core::LengthUnit>,
+    /// The meshes' up axis.
+    #[arg(long, value_parser = parse_up_axis, value_name = "X|Y|Z")]
+    pub mesh_up: Option<tousle_core::UpAxis>,
+    /// The meshes' axis along which the nose points [default: x where z is up, z where y is up].
+    #[arg(long, value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
+    pub mesh_forward: Option<tousle_groom::Axis>,
+}
+
 /// `tousle simulate`
 #[derive(Debug, Args)]
 pub struct SimulateArgs {
@@ -341,7 +362,7 @@ pub struct SimulateArgs {
     /// The head's own axes in its USD prim: up and where the nose points [default: up as the stage; nose Z where Y
     /// is up, X where Z is up].
     #[arg(long, value_parser = parse_head_axes, value_name = "UP,NOSE", requires = "head", allow_hyphen_values = true)]
-    pub head_axes: Option<tousle_usda::HeadAxes>,
+    pub head_axes: Option<tousle_core::HeadAxes>,
     /// The time code of the USD stage that meets the field's first step [default: the stage's first].
     #[arg(long, value_name = "CODE", requires = "head", allow_hyphen_values = true)]
     pub head_start: Option<f64>,
@@ -378,6 +399,9 @@ pub struct SimulateArgs {
     /// How the groom is read.
     #[command(flatten)]
     pub groom_args: GroomArgs,
+    /// What the hair touches.
+    #[command(flatten)]
+    pub body_args: BodyArgs,
 }
 
 /// `--shape`
@@ -549,12 +573,12 @@ fn parse_up_axis(name: &str) -> Result<tousle_core::UpAxis, String> {
     tousle_core::UpAxis::from_name(name).ok_or_else(|| "expected X, Y or Z".to_owned())
 }
 
-fn parse_head_axes(text: &str) -> Result<tousle_usda::HeadAxes, String> {
+fn parse_head_axes(text: &str) -> Result<tousle_core::HeadAxes, String> {
     let expected = || format!("found {text:?}, expected two axes: Y,Z or Z,X or Y,-Z");
     let (up, forward) = text.split_once(',').ok_or_else(expected)?;
     let [up, forward] =
         [up, forward].map(|axis| tousle_groom::Axis::from_name(axis).map(tousle_groom::Axis::vector));
-    Ok(tousle_usda::HeadAxes { up: up.ok_or_else(expected)?, forward: forward.ok_or_else(expected)? })
+    Ok(tousle_core::HeadAxes { up: up.ok_or_else(expected)?, forward: forward.ok_or_else(expected)? })
 }
 
 fn parse_axis(name: &str) -> Result<tousle_groom::Axis, String> {

@@ -105,3 +105,66 @@ fn a_run_that_was_killed_goes_on_to_the_same_bytes() {
     assert!(room.read("out.npz") == room.read("whole.npz"));
     assert!(!folder.exists(), "what was kept is gone");
 }
+
+/// The corners and faces of an ellipsoid about the origin, mm, z up, as an OBJ file.
+fn ellipsoid_obj([a, b, c]: [f64; 3]) -> String {
+    use std::fmt::Write;
+    const AROUND: usize = 96;
+    const DOWN: usize = 64;
+    let mut text = String::new();
+    for k in 0..=DOWN {
+        for j in 0..AROUND {
+            let (polar, azimuth) = (
+                k as f64 / DOWN as f64 * std::f64::consts::PI,
+                j as f64 / AROUND as f64 * std::f64::consts::TAU,
+            );
+            let (sin, cos) = libm::sincos(polar);
+            let (y, x) = libm::sincos(azimuth);
+            writeln!(text, "v {} {} {}", a * sin * x, b * sin * y, c * cos).unwrap();
+        }
+    }
+    for k in 0..DOWN {
+        for j in 0..AROUND {
+            let [p, q] = [j, (j + 1) % AROUND].map(|j| k * AROUND + j + 1);
+            // At the poles one side has no length.
+            if k > 0 {
+                writeln!(text, "f {p} {} {q}", p + AROUND).unwrap();
+            }
+            if k + 1 < DOWN {
+                writeln!(text, "f {q} {} {}", p + AROUND, q + AROUND).unwrap();
+            }
+        }
+    }
+    text
+}
+
+/// A mesh in the head's own shape moves hair as the head does, though the two are measured in different ways.
+#[test]
+fn a_shots_body_comes_as_a_mesh() {
+    let room = room_with_a_field();
+    room.write("head.obj", &ellipsoid_obj([95.0, 75.0, 100.0]));
+    let simulate = "simulate f.eff.mcap --groom bob.json --method physical --duration-secs 2";
+    let mesh = "--head-mesh head.obj --mesh-unit mm --mesh-up Z";
+    let run = room.run(&format!("{simulate} -o mesh.npz -o mesh.usda {mesh} --explain")).ended(0);
+    assert!(run.out.contains("body: head = head.obj: 12096 triangles, measured every 4.0 mm"), "{}", run.out);
+    assert!(run.err.is_empty(), "{}", run.err);
+    room.run(&format!("{simulate} -o own.npz")).ended(0);
+    let motion = |file: &str| tousle_export::read_motion_npz(&room.read(file)).unwrap();
+    let (mesh_m, own_m) = (motion("mesh.npz").positions_m, motion("own.npz").positions_m);
+    let off = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f32::max);
+    let mut offs: Vec<f32> = mesh_m.iter().zip(&own_m).map(off).collect();
+    offs.sort_by(f32::total_cmp);
+    // The mesh takes the neck away too, which a few locks lie on.
+    assert!(offs[offs.len() / 2] < 1e-4, "median {}", offs[offs.len() / 2]);
+    assert!(String::from_utf8(room.read("mesh.usda")).unwrap().contains("def Mesh \"head_0\""));
+    for (arguments, code, says) in [
+        ("--head-mesh head.obj", 2, "--mesh-unit"),
+        ("--head-mesh none.obj --mesh-unit mm --mesh-up Z", 1, "cannot read none.obj"),
+        ("--torso-mesh bob.json --mesh-unit mm --mesh-up Z", 1, ".obj"),
+        ("--head-mesh head.obj --mesh-unit mm --mesh-up Z --mesh-forward Z", 1, "two different ones"),
+    ] {
+        let run = room.run(&format!("{simulate} -o x.npz {arguments}")).ended(code);
+        run.says(&[says]);
+        assert!(!room.path("x.npz").exists(), "{arguments}");
+    }
+}

@@ -1,5 +1,6 @@
-use crate::{Pose, Vec3};
+use crate::{Pose, Solid, Vec3};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// What hair can touch, and the pivot about which the head turns on it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,7 +24,7 @@ pub struct Collider {
     pub attachment: Attachment,
 }
 
-/// A convex shape, meters.
+/// A shape, meters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
@@ -43,6 +44,9 @@ pub enum Shape {
         /// The radius, > 0.
         radius_m: f64,
     },
+    /// What a triangle mesh encloses. A shot's own body: no field file holds one.
+    #[serde(skip)]
+    Mesh(Arc<Solid>),
 }
 
 /// What carries a collider.

@@ -9,6 +9,7 @@
 //!
 //! A transform is named so that names meet: `p_head = head_from_world * p_world`.
 
+mod axes;
 mod body;
 mod capture;
 mod groom;
@@ -18,10 +19,12 @@ mod progress;
 mod sample;
 mod samples;
 mod session;
+mod solid;
 mod span;
 mod track;
 mod unit;
 
+pub use axes::HeadAxes;
 pub use body::{Attachment, Body, Collider, Shape};
 pub use capture::{Capture, Trajectory};
 pub use groom::{Along, Assumption, Groom, GroomError, Strand};
@@ -31,6 +34,7 @@ pub use progress::{NoProgress, Progress};
 pub use sample::{Sample, SampleKind};
 pub use samples::{Quantity, WindSample, WindSamples};
 pub use session::{Fan, HeadMarker, Session, StrandMarker, StrandSpec};
+pub use solid::{DistanceGrid, Solid};
 pub use span::{FrameSpan, runs};
 pub use track::Track;
 pub use unit::{LengthUnit, UpAxis};

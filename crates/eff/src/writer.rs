@@ -134,7 +134,7 @@ impl<W: Write> Writer<W> {
     /// # Errors
     /// [`EffError`] if the stream fails or the head holds what a file cannot.
     pub fn new(out: W, head: &Head<'_>, options: &WriteOptions) -> Result<Self, EffError> {
-        let manifest = head::manifest(head, options.encoding);
+        let manifest = head::manifest(head, options.encoding)?;
         let edits = Edits { layers: head.layers.iter().map(Into::into).collect() };
         head::check(&manifest, &edits)?;
         Self::begin_with(out, manifest, &edits, &head.scene.poses.poses, options.has_preview)

@@ -60,9 +60,11 @@ impl HeadShape {
     /// The head that a groom can be fitted to: a body's first ellipsoid that moves with it.
     pub fn of_body(body: &Body) -> Option<Self> {
         let of_head = body.colliders.iter().filter(|c| c.attachment == Attachment::Head);
-        let mut ellipsoids = of_head.filter_map(|c| match c.shape {
-            Shape::Ellipsoid { center_m, half_axes_m } => Some(Self { center_m, half_axes_m }),
-            Shape::Capsule { .. } => None,
+        let mut ellipsoids = of_head.filter_map(|c| match &c.shape {
+            Shape::Ellipsoid { center_m, half_axes_m } => {
+                Some(Self { center_m: *center_m, half_axes_m: *half_axes_m })
+            }
+            Shape::Capsule { .. } | Shape::Mesh(_) => None,
         });
         ellipsoids.next()
     }

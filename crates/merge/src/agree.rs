@@ -101,6 +101,7 @@ fn numbers(shape: &Shape) -> Vec<f64> {
         Shape::Capsule { a_m, b_m, radius_m } => {
             a_m.iter().chain(b_m.iter()).copied().chain([*radius_m]).collect()
         }
+        Shape::Mesh(solid) => solid.points_m.iter().flat_map(|p| p.iter().copied()).collect(),
     }
 }
 

@@ -1,5 +1,6 @@
-use nalgebra::Matrix3;
-use tousle_core::{Attachment, Body, Pose, Shape, Vec3};
+use nalgebra::{Matrix3, Point3};
+use std::sync::Arc;
+use tousle_core::{Attachment, Body, Pose, Shape, Solid, Vec3};
 
 /// How far a point is from a surface, and which way is out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,12 +15,13 @@ pub struct Gap {
 ///
 /// Capsules are exact. Ellipsoids give the first-order distance (f − 1)/|∇f| with f = |x/a|: exact on the
 /// surface; elsewhere its relative error is about half the distance over the radius of curvature (3 % at 5 mm
-/// from a head). In the middle of a shape, where no direction is nearest, one across it is taken.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// from a head). Meshes are as exact as their grid ([`tousle_core::DistanceGrid`]). In the middle of a shape, where no
+/// direction is nearest, one across it is taken.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Surface(SurfaceShape);
 
 /// What a [`Surface`] is made of, for those who ask for many points at once.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SurfaceShape {
     /// All points that a matrix takes onto the unit sphere.
     Ellipsoid {
@@ -41,19 +43,26 @@ pub enum SurfaceShape {
         /// The distance, m.
         radius_m: f64,
     },
+    /// What a mesh encloses.
+    Mesh {
+        /// The mesh in its own space.
+        solid: Arc<Solid>,
+        /// From head space to the mesh's own.
+        solid_from_head: Pose,
+    },
 }
 
 impl Surface {
     /// What it is made of.
-    pub fn shape(&self) -> SurfaceShape {
-        self.0
+    pub fn shape(&self) -> &SurfaceShape {
+        &self.0
     }
 
     /// The surface of a shape in its own space.
     pub fn new(shape: &Shape) -> Self {
-        Self(match *shape {
+        Self(match shape {
             Shape::Ellipsoid { center_m, half_axes_m } => SurfaceShape::Ellipsoid {
-                center_m,
+                center_m: *center_m,
                 to_sphere: Matrix3::from_diagonal(&half_axes_m.map(|a| 1.0 / a)),
                 shortest_half_axis_m: half_axes_m.min(),
             },
@@ -61,7 +70,10 @@ impl Surface {
                 let axis = b_m - a_m;
                 let length2 = axis.norm_squared();
                 let per_length2 = if length2 > 0.0 { 1.0 / length2 } else { 0.0 };
-                SurfaceShape::Capsule { a_m, axis, per_length2, radius_m }
+                SurfaceShape::Capsule { a_m: *a_m, axis, per_length2, radius_m: *radius_m }
+            }
+            Shape::Mesh(solid) => {
+                SurfaceShape::Mesh { solid: Arc::clone(solid), solid_from_head: Pose::identity() }
             }
         })
     }
@@ -77,19 +89,23 @@ impl Surface {
 
     /// The same surface carried along by a pose.
     pub fn moved(&self, pose: &Pose) -> Self {
-        Self(match self.0 {
+        Self(match &self.0 {
             SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => {
                 SurfaceShape::Ellipsoid {
-                    center_m: (pose * nalgebra::Point3::from(center_m)).coords,
+                    center_m: (pose * Point3::from(*center_m)).coords,
                     to_sphere: to_sphere * pose.rotation.inverse().to_rotation_matrix().matrix(),
-                    shortest_half_axis_m,
+                    shortest_half_axis_m: *shortest_half_axis_m,
                 }
             }
             SurfaceShape::Capsule { a_m, axis, per_length2, radius_m } => SurfaceShape::Capsule {
-                a_m: (pose * nalgebra::Point3::from(a_m)).coords,
+                a_m: (pose * Point3::from(*a_m)).coords,
                 axis: pose.rotation * axis,
-                per_length2,
-                radius_m,
+                per_length2: *per_length2,
+                radius_m: *radius_m,
+            },
+            SurfaceShape::Mesh { solid, solid_from_head } => SurfaceShape::Mesh {
+                solid: Arc::clone(solid),
+                solid_from_head: solid_from_head * pose.inverse(),
             },
         })
     }
@@ -133,9 +149,16 @@ impl Surface {
                 let normal = if distance > 1e-12 { away / distance } else { sideways(axis) };
                 Gap { distance_m: distance - radius_m, normal }
             }
+            SurfaceShape::Mesh { solid, solid_from_head } => mesh_gap(solid, solid_from_head, point_m),
         };
         (gap.distance_m <= limit_m).then_some(gap)
     }
+}
+
+/// The gap between a point of head space and what a mesh encloses.
+fn mesh_gap(solid: &Solid, solid_from_head: &Pose, point_m: Vec3) -> Gap {
+    let (distance_m, out) = solid.distances.gap((solid_from_head * Point3::from(point_m)).coords);
+    Gap { distance_m, normal: solid_from_head.rotation.inverse() * out }
 }
 
 fn sideways(axis: &Vec3) -> Vec3 {

@@ -59,6 +59,10 @@ fn check_shape(shape: &Shape) -> Result<(), SimError> {
             )?;
             check("collider.radius_m", [*radius_m], is_size, "a number above 0")
         }
+        Shape::Mesh(solid) => {
+            let numbers = solid.points_m.iter().flat_map(|p| p.iter().copied());
+            check("collider.points_m", numbers, f64::is_finite, "finite numbers")
+        }
     }
 }
 

@@ -52,8 +52,8 @@ fn near(eye: &Eye, at: Pixel, stick: &[[f32; 3]], body: &Body) -> Option<(f64, f
 pub fn is_hidden(from_m: Vec3, point_m: Vec3, body: &Body) -> bool {
     const SMALLER: f64 = 0.9;
     body.colliders.iter().any(|collider| {
-        let Shape::Ellipsoid { center_m, half_axes_m } = collider.shape else { return false };
-        let scaled = |p: Vec3| (p - center_m).component_div(&(half_axes_m * SMALLER));
+        let Shape::Ellipsoid { center_m, half_axes_m } = &collider.shape else { return false };
+        let scaled = |p: Vec3| (p - center_m).component_div(&(*half_axes_m * SMALLER));
         let (from, to) = (scaled(from_m), scaled(point_m));
         let way = to - from;
         // The nearest that the line of sight comes to the middle of what is now the unit sphere.

@@ -20,6 +20,6 @@ mod xform;
 pub use error::UsdaError;
 pub use layer::{Layer, Prim, Property, Specifier, Value};
 pub use parser::parse;
-pub use poses::{HeadAxes, PoseOptions, ReadPoses, read_poses};
+pub use poses::{PoseOptions, ReadPoses, read_poses};
 pub use scale::{meters_per_unit, time_codes_per_second, up_axis};
 pub use xform::{Local, local};

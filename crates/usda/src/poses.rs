@@ -1,5 +1,5 @@
-use nalgebra::{Matrix3, Matrix4, Rotation3, UnitQuaternion};
-use tousle_core::{Pose, PoseTrack, UpAxis, Vec3};
+use nalgebra::{Matrix4, UnitQuaternion};
+use tousle_core::{HeadAxes, Pose, PoseTrack, Vec3};
 
 use crate::error::bad;
 use crate::xform::{codes, is_animated, local, rotation_and_scale};
@@ -25,15 +25,6 @@ pub struct PoseOptions {
     pub start_secs: f64,
 }
 
-/// How a head's own axes lie in a prim's, unit vectors across one another.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HeadAxes {
-    /// Up along the head.
-    pub up: Vec3,
-    /// Where the nose points.
-    pub forward: Vec3,
-}
-
 /// A head's motion and how it was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadPoses {
@@ -50,18 +41,6 @@ pub struct ReadPoses {
 impl Default for PoseOptions {
     fn default() -> Self {
         Self { prim: None, world_up: Vec3::z(), axes: None, start_code: None, start_secs: 0.0 }
-    }
-}
-
-impl HeadAxes {
-    /// The axes of a prim in a layer whose up axis this is, if nobody says otherwise.
-    pub fn of_layer(up: UpAxis) -> Self {
-        let forward = match up {
-            UpAxis::X => Vec3::y(),
-            UpAxis::Y => Vec3::z(),
-            UpAxis::Z => Vec3::x(),
-        };
-        Self { up: up.vector(), forward }
     }
 }
 
@@ -90,7 +69,7 @@ pub fn read_poses(bytes: &[u8], options: &PoseOptions) -> Result<ReadPoses, Usda
     let unit_m = meters_per_unit(&layer, &mut warnings)?;
     let up = up_axis(&layer, &mut warnings)?;
     let codes_per_second = time_codes_per_second(&layer, &mut warnings)?;
-    let axes = options.axes.unwrap_or_else(|| HeadAxes::of_layer(up));
+    let axes = options.axes.unwrap_or_else(|| HeadAxes::usual(up));
     let head = find(&layer, options.prim.as_deref())?;
     let grid = Grid::of(&head)?;
     let start_code = options
@@ -232,11 +211,8 @@ fn turn_up(from: Vec3, to: Vec3) -> UnitQuaternion<f64> {
     UnitQuaternion::rotation_between(&from, &to).unwrap_or_else(half)
 }
 
-/// From head axes (x forward, y left, z up) to a prim's.
+/// From head axes to a prim's.
 fn prim_from_head(axes: &HeadAxes) -> Result<UnitQuaternion<f64>, UsdaError> {
-    if axes.up.dot(&axes.forward).abs() > 1e-6 {
-        return Err(bad("the head's axes", "one axis both up and forward", "two different ones"));
-    }
-    let matrix = Matrix3::from_columns(&[axes.forward, axes.up.cross(&axes.forward), axes.up]);
-    Ok(UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix)))
+    axes.file_from_head()
+        .ok_or_else(|| bad("the head's axes", "one axis both up and forward", "two different ones"))
 }

@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use tousle_core::Vec3;
-use tousle_usda::{HeadAxes, PoseOptions, UsdaError, read_poses};
+use tousle_core::{HeadAxes, Vec3};
+use tousle_usda::{PoseOptions, UsdaError, read_poses};
 
 fn options() -> PoseOptions {
     PoseOptions::default()

@@ -1,3 +1,4 @@
+mod body;
 mod guided;
 mod head;
 mod outputs;
@@ -26,13 +27,13 @@ pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
             bail!("output {}: found it twice, expected each once", output.display());
         }
     }
-    let eff = read_eff(&args.field)?;
+    let mut eff = read_eff(&args.field)?;
     let groom = read_groom(&args.groom, &args.groom_args, &eff.scene, &eff.field.grid)?;
+    let mut assumed = body::put_meshes(&mut eff.scene.body, &args.body_args, &groom, watch)?;
     let mut options = options(args, eff.field.quantity);
-    let mut assumed = Vec::new();
     if let Some(head) = head::read_head(args, &eff)? {
         options.head = Some(head.poses);
-        assumed = head.assumed;
+        assumed.extend(head.assumed);
     }
     let resumable = Resumable::open(args, &options)?;
     let mut simulated = guided::simulate(&eff, &groom, &options, args, resumable.as_ref(), watch)?;

@@ -1,5 +1,6 @@
 //! The scene: gravity, air, body, the head's pose at rest.
 
+use crate::EffError;
 use nalgebra::{Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 use tousle_core::{Pose, PoseTrack};
@@ -119,17 +120,19 @@ impl Scene {
     }
 }
 
-impl From<&tousle_field::Scene> for Scene {
-    fn from(scene: &tousle_field::Scene) -> Self {
-        Self {
+impl TryFrom<&tousle_field::Scene> for Scene {
+    type Error = EffError;
+
+    fn try_from(scene: &tousle_field::Scene) -> Result<Self, EffError> {
+        Ok(Self {
             gravity_world: scene.gravity_world.into(),
             air_density: scene.air_density,
             rest_pose: RestPose {
                 translation_m: scene.rest_pose.translation.vector.into(),
                 rotation_xyzw: scene.rest_pose.rotation.coords.into(),
             },
-            body: (&scene.body).into(),
-        }
+            body: (&scene.body).try_into()?,
+        })
     }
 }
 
@@ -139,21 +142,15 @@ pub(crate) fn pose(translation: [f64; 3], [x, y, z, w]: [f64; 4]) -> Pose {
     Pose::from_parts(tousle_core::Vec3::from(translation).into(), rotation)
 }
 
-impl From<&tousle_core::Body> for Body {
-    fn from(body: &tousle_core::Body) -> Self {
-        let collider = |c: &tousle_core::Collider| Collider {
-            name: c.name.clone(),
-            shape: (&c.shape).into(),
-            attachment: match c.attachment {
-                tousle_core::Attachment::Head => Attachment::Head,
-                tousle_core::Attachment::Torso => Attachment::Torso,
-            },
-        };
-        Self {
-            colliders: body.colliders.iter().map(collider).collect(),
+impl TryFrom<&tousle_core::Body> for Body {
+    type Error = EffError;
+
+    fn try_from(body: &tousle_core::Body) -> Result<Self, EffError> {
+        Ok(Self {
+            colliders: body.colliders.iter().map(Collider::try_from).collect::<Result<_, _>>()?,
             pivot_m: body.pivot_m.into(),
             friction: body.friction,
-        }
+        })
     }
 }
 
@@ -175,16 +172,27 @@ impl From<Body> for tousle_core::Body {
     }
 }
 
-impl From<&tousle_core::Shape> for Shape {
-    fn from(shape: &tousle_core::Shape) -> Self {
-        match shape {
+impl TryFrom<&tousle_core::Collider> for Collider {
+    type Error = EffError;
+
+    fn try_from(collider: &tousle_core::Collider) -> Result<Self, EffError> {
+        let shape = match &collider.shape {
             tousle_core::Shape::Ellipsoid { center_m, half_axes_m } => {
-                Self::Ellipsoid { center_m: (*center_m).into(), half_axes_m: (*half_axes_m).into() }
+                Shape::Ellipsoid { center_m: (*center_m).into(), half_axes_m: (*half_axes_m).into() }
             }
             tousle_core::Shape::Capsule { a_m, b_m, radius_m } => {
-                Self::Capsule { a_m: (*a_m).into(), b_m: (*b_m).into(), radius_m: *radius_m }
+                Shape::Capsule { a_m: (*a_m).into(), b_m: (*b_m).into(), radius_m: *radius_m }
             }
-        }
+            tousle_core::Shape::Mesh(_) => {
+                let what = format!("collider {:?}", collider.name);
+                return Err(EffError::bad(what, "a mesh", "an ellipsoid or a capsule"));
+            }
+        };
+        let attachment = match collider.attachment {
+            tousle_core::Attachment::Head => Attachment::Head,
+            tousle_core::Attachment::Torso => Attachment::Torso,
+        };
+        Ok(Self { name: collider.name.clone(), shape, attachment })
     }
 }
 

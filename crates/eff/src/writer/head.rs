@@ -36,9 +36,12 @@ pub struct Head<'a> {
 }
 
 /// The manifest of a file that begins so.
-pub(super) fn manifest(head: &Head<'_>, encoding: Encoding) -> Manifest {
+///
+/// # Errors
+/// [`EffError::BadValue`] if the body holds what a file cannot.
+pub(super) fn manifest(head: &Head<'_>, encoding: Encoding) -> Result<Manifest, EffError> {
     let poses = &head.scene.poses;
-    Manifest {
+    Ok(Manifest {
         format: FORMAT.into(),
         version: VERSION,
         requires: Vec::new(),
@@ -58,14 +61,14 @@ pub(super) fn manifest(head: &Head<'_>, encoding: Encoding) -> Manifest {
             rate_hz: poses.rate_hz,
             n_poses: poses.poses.len() as u64,
         },
-        scene: head.scene.into(),
+        scene: head.scene.try_into()?,
         samples: head.samples.map(|(quantity, rate_hz, n_steps)| SamplesInfo {
             quantity: quantity.into(),
             rate_hz,
             n_steps,
         }),
         extensions: serde_json::Map::new(),
-    }
+    })
 }
 
 /// Checks what JSON would turn into `null`, and everything that a reader would refuse.

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use nalgebra::{Matrix4, UnitQuaternion};
-use tousle_core::{Attachment, Collider, Pose, Shape, Vec3};
+use tousle_core::{Attachment, Collider, Pose, Shape, Solid, Vec3};
 use tousle_field::Scene;
 
 use super::hair::Hair;
@@ -36,12 +36,12 @@ pub(super) fn write_body<W: Write>(text: &mut Text<W>, hair: &Hair<'_>, scene: &
 
 fn write_collider<W: Write>(text: &mut Text<W>, collider: &Collider, index: usize) -> io::Result<()> {
     let name = prim_name(&collider.name, index);
-    match collider.shape {
+    match &collider.shape {
         Shape::Ellipsoid { center_m, half_axes_m } => {
             text.open_prim("Sphere", &name)?;
             text.line(format_args!("double radius = 1"))?;
             text.line(format_args!("float3[] extent = [(-1, -1, -1), (1, 1, 1)]"))?;
-            let place = Matrix4::new_translation(&center_m) * Matrix4::new_nonuniform_scaling(&half_axes_m);
+            let place = Matrix4::new_translation(center_m) * Matrix4::new_nonuniform_scaling(half_axes_m);
             write_transform(text, &place)?;
         }
         Shape::Capsule { a_m, b_m, radius_m } => {
@@ -51,12 +51,30 @@ fn write_collider<W: Write>(text: &mut Text<W>, collider: &Collider, index: usiz
             text.line(format_args!("uniform token axis = \"Z\""))?;
             text.line(format_args!("double height = {length}"))?;
             text.line(format_args!("double radius = {radius_m}"))?;
-            let corner = [radius_m, radius_m, half].map(|x| x as f32);
+            let corner = [*radius_m, *radius_m, half].map(|x| x as f32);
             text.array("float3[] extent", [corner.map(|x| -x), corner], Text::tuple, "")?;
-            write_transform(text, &capsule_place(a_m, b_m).to_homogeneous())?;
+            write_transform(text, &capsule_place(*a_m, *b_m).to_homogeneous())?;
+        }
+        Shape::Mesh(solid) => {
+            text.open_prim("Mesh", &name)?;
+            write_mesh(text, solid)?;
         }
     }
     text.close("}")
+}
+
+fn write_mesh<W: Write>(text: &mut Text<W>, solid: &Solid) -> io::Result<()> {
+    let points = || solid.points_m.iter().map(|p| [p.x as f32, p.y as f32, p.z as f32]);
+    let corner = |pick: fn(f32, f32) -> f32, start: f32| {
+        points().fold([start; 3], |corner, p| [0, 1, 2].map(|axis| pick(corner[axis], p[axis])))
+    };
+    let extent = [corner(f32::min, f32::INFINITY), corner(f32::max, f32::NEG_INFINITY)];
+    text.line(format_args!("uniform token subdivisionScheme = \"none\""))?;
+    text.array("float3[] extent", extent, Text::tuple, "")?;
+    let corners = solid.triangles.iter().flatten().map(|corner| *corner as usize);
+    text.array("int[] faceVertexCounts", solid.triangles.iter().map(|_| 3), Text::usize, "")?;
+    text.array("int[] faceVertexIndices", corners, Text::usize, "")?;
+    text.array("point3f[] points", points(), Text::tuple, "")
 }
 
 /// The transform that takes a capsule along z about the origin to its ends.

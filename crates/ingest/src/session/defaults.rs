@@ -121,7 +121,7 @@ pub(super) fn pivot(colliders: &[Collider]) -> (Vec3, Assumption) {
     });
     let half_axes = colliders.iter().find_map(|c| match &c.shape {
         Shape::Ellipsoid { half_axes_m, .. } => Some(*half_axes_m),
-        Shape::Capsule { .. } => None,
+        Shape::Capsule { .. } | Shape::Mesh(_) => None,
     });
     let half_axes = half_axes.unwrap_or(Vec3::new(0.097, 0.0755, 0.11));
     let (start, along) = neck.unwrap_or((Vec3::new(-0.015, 0.0, 0.0), -Vec3::z()));

@@ -63,20 +63,25 @@ pub(super) fn body_data(
     BodyData {
         up: up.into(),
         pivot_m: scene.body.pivot_m.into(),
-        shapes: scene.body.colliders.iter().map(shape_data).collect(),
+        shapes: scene.body.colliders.iter().filter_map(shape_data).collect(),
         head_markers_m: session.head_markers.iter().map(|m| m.position_m.into()).collect(),
         turn: turn_data(scene, span_secs, blobs),
     }
 }
 
-fn shape_data(collider: &Collider) -> ShapeData {
-    let form = match collider.shape {
+/// A shape of a field's body; a mesh, which no field has, is not drawn.
+fn shape_data(collider: &Collider) -> Option<ShapeData> {
+    let form = match &collider.shape {
         Shape::Ellipsoid { center_m, half_axes_m } => {
-            Form::Ellipsoid { center_m: center_m.into(), half_axes_m: half_axes_m.into() }
+            Form::Ellipsoid { center_m: (*center_m).into(), half_axes_m: (*half_axes_m).into() }
         }
-        Shape::Capsule { a_m, b_m, radius_m } => Form::Capsule { a_m: a_m.into(), b_m: b_m.into(), radius_m },
+        Shape::Capsule { a_m, b_m, radius_m } => {
+            Form::Capsule { a_m: (*a_m).into(), b_m: (*b_m).into(), radius_m: *radius_m }
+        }
+        Shape::Mesh(_) => return None,
     };
-    ShapeData { name: collider.name.clone(), on_head: collider.attachment == Attachment::Head, form }
+    let on_head = collider.attachment == Attachment::Head;
+    Some(ShapeData { name: collider.name.clone(), on_head, form })
 }
 
 fn turn_data(scene: &Scene, [first, last]: [f64; 2], blobs: &mut Vec<Packed>) -> Option<TurnData> {

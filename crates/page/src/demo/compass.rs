@@ -96,7 +96,7 @@ fn arc(first_rad: f64, last_rad: f64, radius: f64) -> String {
 fn head(session: &Session) -> String {
     let outline = session.body.colliders.iter().find_map(|c| match c.shape {
         Shape::Ellipsoid { half_axes_m, .. } => Some(half_axes_m),
-        Shape::Capsule { .. } => None,
+        Shape::Capsule { .. } | Shape::Mesh(_) => None,
     });
     // Without a head in the session the roots alone tell how large it is.
     let reach = |axis: usize| session.strands.iter().map(|s| s.root_m[axis].abs()).fold(0.0, f64::max);

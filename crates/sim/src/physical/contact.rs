@@ -34,7 +34,7 @@ pub(crate) struct Near<L> {
 }
 
 /// A surface and how it moves, ready for a step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct MovingSurface {
     pub surface: Surface,
     /// Velocity over the ground of the surface's point at the head's center, head axes, m/s.
@@ -93,23 +93,36 @@ pub(crate) fn gaps<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L
             let rows =
                 |r: usize| Vector::splat(Vec3::new(to_sphere[(r, 0)], to_sphere[(r, 1)], to_sphere[(r, 2)]));
             let to_sphere = Matrix { x: rows(0), y: rows(1), z: rows(2) };
-            let scaled = to_sphere.mul_vector(place - Vector::splat(center_m));
+            let scaled = to_sphere.mul_vector(place - Vector::splat(*center_m));
             let level = scaled.norm_squared().sqrt();
             let gradient = to_sphere.transpose_mul(scaled);
-            let slope = gradient.norm_squared().sqrt().max(L::splat(1e-9 / shortest_half_axis_m));
+            let slope = gradient.norm_squared().sqrt().max(L::splat(1e-9 / *shortest_half_axis_m));
             // (level − 1) / |∇level|, and ∇level = gradient / level.
             ((level - L::one()) * level / slope, gradient * (L::one() / slope))
         }
         SurfaceShape::Capsule { a_m, axis, per_length2, radius_m } => {
-            let from_a = place - Vector::splat(a_m);
-            let axis = Vector::splat(axis);
-            let share = (from_a.dot(axis) * L::splat(per_length2)).max(L::zero()).min(L::one());
+            let from_a = place - Vector::splat(*a_m);
+            let axis = Vector::splat(*axis);
+            let share = (from_a.dot(axis) * L::splat(*per_length2)).max(L::zero()).min(L::one());
             let away = from_a - axis * share;
             let distance = away.norm_squared().sqrt();
             let out = away * (L::one() / distance.max(L::splat(1e-12)));
-            (distance - L::splat(radius_m), out)
+            (distance - L::splat(*radius_m), out)
         }
+        SurfaceShape::Mesh { .. } => looked_up(surface, place),
     }
+}
+
+/// [`gaps`] of a mesh: every point looks at nodes of its own, so they are asked one by one.
+#[inline(never)]
+fn looked_up<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L>) {
+    let (mut distances, mut normals) = (L::zero(), Vector::zero());
+    for lane in 0..L::N {
+        let gap = surface.gap(place.get(lane));
+        distances.set(lane, gap.distance_m);
+        normals.set(lane, gap.normal);
+    }
+    (distances, normals)
 }
 
 impl<L: Lane> Touchable<L> {

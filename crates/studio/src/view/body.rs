@@ -1,7 +1,7 @@
 //! The body as triangles.
 
 use nalgebra::Vector3;
-use tousle_core::{Attachment, Body, Shape, Vec3};
+use tousle_core::{Attachment, Body, Shape, Solid, Vec3};
 
 /// Two vectors a vertex: place and whether it stays with the torso (1) or moves with the head (0); normal.
 pub fn mesh(body: &Body) -> Vec<[f32; 4]> {
@@ -9,11 +9,11 @@ pub fn mesh(body: &Body) -> Vec<[f32; 4]> {
         .iter()
         .flat_map(|collider| {
             let torso = f32::from(u8::from(collider.attachment == Attachment::Torso));
-            match collider.shape {
+            match &collider.shape {
                 Shape::Ellipsoid { center_m, half_axes_m } => {
                     let has_face = collider.attachment == Attachment::Head;
                     let scale = |d: Vec3| if has_face { 1.0 + face(d) } else { 1.0 };
-                    surface(torso, |d| center_m + half_axes_m.component_mul(&d) * scale(d))
+                    surface(torso, |d| *center_m + half_axes_m.component_mul(&d) * scale(d))
                 }
                 Shape::Capsule { a_m, b_m, radius_m } => {
                     let along = (b_m - a_m).try_normalize(1e-9).unwrap_or_else(Vec3::z);
@@ -21,9 +21,10 @@ pub fn mesh(body: &Body) -> Vec<[f32; 4]> {
                         .unwrap_or_else(|| nalgebra::Rotation3::from_axis_angle(&Vec3::x_axis(), PI));
                     surface(torso, move |d| {
                         let end = if d.z >= 0.0 { b_m } else { a_m };
-                        end + turn * d * radius_m
+                        *end + turn * d * *radius_m
                     })
                 }
+                Shape::Mesh(solid) => triangles(torso, solid),
             }
         })
         .collect()
@@ -50,6 +51,26 @@ fn face(d: Vec3) -> f64 {
         + 0.02 * bump(0.0, -0.55, 0.25, 0.08)
 }
 
+/// A vertex's two vectors.
+fn vertex(torso: f32, place: Vec3, normal: Vec3) -> [[f32; 4]; 2] {
+    let single = |v: Vec3, w: f32| {
+        let v: Vector3<f32> = v.map(|c| c as f32);
+        [v.x, v.y, v.z, w]
+    };
+    [single(place, torso), single(normal, 0.0)]
+}
+
+/// Triangles of a mesh, each as flat as it is.
+fn triangles(torso: f32, solid: &Solid) -> Vec<[f32; 4]> {
+    let of_triangle = |corners: &[u32; 3]| {
+        let corners = corners.map(|corner| solid.points_m[corner as usize]);
+        let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+        let normal = normal.try_normalize(1e-12).unwrap_or_else(Vec3::z);
+        corners.into_iter().flat_map(move |corner| vertex(torso, corner, normal))
+    };
+    solid.triangles.iter().flat_map(of_triangle).collect()
+}
+
 /// Triangles of a closed surface around its middle, from the place in each direction.
 fn surface(torso: f32, place: impl Fn(Vec3) -> Vec3) -> Vec<[f32; 4]> {
     let at = |ring: usize, segment: usize| {
@@ -71,19 +92,13 @@ fn surface(torso: f32, place: impl Fn(Vec3) -> Vec3) -> Vec<[f32; 4]> {
         .try_normalize(1e-12)
         .unwrap_or_else(Vec3::z)
     };
-    let vertex = |(ring, segment): (usize, usize)| {
-        let single = |v: Vec3, w: f32| {
-            let v: Vector3<f32> = v.map(|c| c as f32);
-            [v.x, v.y, v.z, w]
-        };
-        [single(at(ring, segment), torso), single(normal(ring, segment), 0.0)]
-    };
+    let vertex_at = |(ring, segment): (usize, usize)| vertex(torso, at(ring, segment), normal(ring, segment));
     let mut vertices = Vec::with_capacity(12 * N_RINGS * N_SEGMENTS);
     for ring in 0..N_RINGS {
         for segment in 0..N_SEGMENTS {
             let [a, b] = [(ring, segment), (ring, segment + 1)];
             let [c, d] = [(ring + 1, segment), (ring + 1, segment + 1)];
-            vertices.extend([a, c, b, b, c, d].into_iter().flat_map(vertex));
+            vertices.extend([a, c, b, b, c, d].into_iter().flat_map(vertex_at));
         }
     }
     vertices

@@ -33,6 +33,7 @@ struct Inputs {
     field: String,
     groom: String,
     head: Option<String>,
+    body: Vec<Option<String>>,
     options: String,
 }
 
@@ -98,15 +99,20 @@ impl Inputs {
             field: hash(&args.field)?,
             groom: hash(&args.groom)?,
             head: head.as_ref().map(|(path, _)| hash(path)).transpose()?,
+            body: [&args.body_args.head_mesh, &args.body_args.torso_mesh]
+                .into_iter()
+                .map(|path| path.as_ref().map(|path| hash(path)).transpose())
+                .collect::<Result<_, _>>()?,
             options: format!(
-                "{options:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
+                "{options:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
                 args.guides,
                 args.guides_check,
                 args.resume,
                 head.and_then(|(_, prim)| prim),
                 args.head_axes,
                 args.head_start,
-                args.groom_args
+                args.groom_args,
+                args.body_args
             ),
         })
     }
@@ -117,6 +123,7 @@ impl Inputs {
             ("field", self.field != other.field),
             ("groom", self.groom != other.groom),
             ("head motion", self.head != other.head),
+            ("body", self.body != other.body),
             ("options", self.options != other.options),
         ];
         pairs.into_iter().filter(|(_, differs)| *differs).map(|(what, _)| what).collect()

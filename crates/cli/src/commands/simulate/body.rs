@@ -1,0 +1,77 @@
+//! The shot's own body: triangle meshes in place of the field's shapes.
+
+use crate::args::BodyArgs;
+use anyhow::{Context, bail};
+use std::path::Path;
+use std::sync::Arc;
+use tousle_core::{Assumption, Attachment, Body, Collider, Groom, HeadAxes, LengthUnit, Shape, UpAxis};
+use tousle_mesh::{EDGE_M, Enclosed, MeshOptions, Region};
+use tousle_pipeline::{Watch, read_file};
+
+/// Puts the meshes that `--head-mesh` and `--torso-mesh` name in place of what the body has there. Gives how each was read.
+pub fn put_meshes(
+    body: &mut Body,
+    args: &BodyArgs,
+    groom: &Groom,
+    watch: &dyn Watch,
+) -> anyhow::Result<Vec<Assumption>> {
+    let mut assumed = Vec::new();
+    for (name, path, attachment) in
+        [("head", &args.head_mesh, Attachment::Head), ("torso", &args.torso_mesh, Attachment::Torso)]
+    {
+        let Some(path) = path else { continue };
+        let region = match attachment {
+            Attachment::Head => Region::of_hair(groom),
+            Attachment::Torso => Region::about_pivot(groom, body.pivot_m),
+        };
+        let stage = watch.stage("mesh");
+        let enclosed = enclosed(path, args, &region)
+            .with_context(|| format!("cannot use the mesh {}", path.display()))?;
+        drop(stage);
+        body.colliders.retain(|collider| collider.attachment != attachment);
+        assumed.push(told(name, path, args, enclosed.as_ref()));
+        if let Some(Enclosed { solid, n_open_edges }) = enclosed {
+            if n_open_edges > 0 {
+                eprintln!(
+                    "warning: {}: found {n_open_edges} open edges, expected a closed mesh: near them what is inside is a guess",
+                    path.display()
+                );
+            }
+            let shape = Shape::Mesh(Arc::new(solid));
+            body.colliders.push(Collider { name: name.to_owned(), shape, attachment });
+        }
+    }
+    Ok(assumed)
+}
+
+fn enclosed(path: &Path, args: &BodyArgs, region: &Region) -> anyhow::Result<Option<Enclosed>> {
+    if super::ending(path) != "obj" {
+        bail!("found a file that does not end in .obj, expected an OBJ file");
+    }
+    let unit: LengthUnit = args.mesh_unit.context("no OBJ file states its unit: --mesh-unit")?;
+    let up: UpAxis = args.mesh_up.context("no OBJ file states its up axis: --mesh-up")?;
+    let mut axes = HeadAxes::usual(up);
+    if let Some(forward) = args.mesh_forward {
+        axes.forward = forward.vector();
+    }
+    let mesh = tousle_mesh::read_mesh(&read_file(path)?, &MeshOptions { unit, axes })?;
+    Ok(tousle_mesh::enclose(mesh, region, EDGE_M)?)
+}
+
+fn told(name: &str, path: &Path, args: &BodyArgs, enclosed: Option<&Enclosed>) -> Assumption {
+    let value = match enclosed {
+        Some(Enclosed { solid, .. }) => format!(
+            "{}: {} triangles, measured every {:.1} mm",
+            path.display(),
+            solid.triangles.len(),
+            solid.distances.edge_m() * 1e3
+        ),
+        None => format!("{}: no hair can come near it", path.display()),
+    };
+    let why = if args.mesh_forward.is_some() {
+        "in place of the field's own shapes"
+    } else {
+        "in place of the field's own shapes; the nose along x where z is up, along z where y is up: --mesh-forward"
+    };
+    Assumption { what: format!("body: {name}"), value, why: why.to_owned() }
+}
