@@ -49,6 +49,11 @@ pub enum Verdict {
         /// What became of it at that limit; `None` if that would have been too many steps.
         at_limit: Option<Box<Verdict>>,
     },
+    /// It ended with an error that says so, and without a result.
+    Stopped {
+        /// The step at which it did, s.
+        dt_secs: f64,
+    },
     /// What went wrong, and at which step.
     Fails(String),
 }
@@ -59,7 +64,7 @@ impl Verdict {
         match self {
             Self::Holds { .. } => true,
             Self::Refused { at_limit, .. } => at_limit.as_ref().is_none_or(|verdict| verdict.is_sound()),
-            Self::Fails(_) => false,
+            Self::Stopped { .. } | Self::Fails(_) => false,
         }
     }
 }
@@ -78,6 +83,7 @@ impl std::fmt::Display for Verdict {
                     None => f.write_str("not run"),
                 }
             }
+            Self::Stopped { dt_secs } => write!(f, "stops with an error at {}", step_text(*dt_secs)),
             Self::Fails(what) => write!(f, "FAILS: {what}"),
         }
     }
@@ -96,6 +102,7 @@ pub fn judge(case: &Case, way: Way) -> Verdict {
             }
             Ok(flawed) => return flawed,
             Err(SimError::Unstable { limit_secs: limit, .. }) => limit_secs = limit_secs.min(limit),
+            Err(SimError::BlewUp { .. }) => return Verdict::Stopped { dt_secs: *dt_secs },
             Err(error) => return Verdict::Fails(error.to_string()),
         }
     }
@@ -105,6 +112,7 @@ pub fn judge(case: &Case, way: Way) -> Verdict {
     let is_affordable = case.world(limit_secs).duration_secs / limit_secs <= MAX_STEPS;
     let at_limit = is_affordable.then(|| match run(case, way, limit_secs) {
         Ok(verdict) => Box::new(verdict),
+        Err(SimError::BlewUp { .. }) => Box::new(Verdict::Stopped { dt_secs: limit_secs }),
         Err(error) => Box::new(Verdict::Fails(error.to_string())),
     });
     Verdict::Refused { limit_secs, at_limit }

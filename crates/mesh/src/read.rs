@@ -38,6 +38,9 @@ pub fn read_mesh(bytes: &[u8], options: &MeshOptions) -> Result<Mesh, MeshError>
     let (models, _) = read.map_err(|source| MeshError::Obj { line: lines.n, source })?;
     let mut mesh = Mesh { points_m: Vec::new(), triangles: Vec::new() };
     for model in models {
+        if let Some(found) = model.mesh.positions.iter().find(|c| !c.is_finite()) {
+            return Err(bad("positions", found, "finite numbers"));
+        }
         let first = mesh.points_m.len() as u32;
         let points = model.mesh.positions.as_chunks().0.iter();
         let to_head = |p: &[f64; 3]| head_from_file * Vec3::from(*p) * options.unit.meters();
@@ -50,9 +53,6 @@ pub fn read_mesh(bytes: &[u8], options: &MeshOptions) -> Result<Mesh, MeshError>
 }
 
 fn check(mesh: &Mesh) -> Result<(), MeshError> {
-    if let Some(found) = mesh.points_m.iter().flat_map(|p| p.iter()).find(|c| !c.is_finite()) {
-        return Err(bad("positions", found, "finite numbers"));
-    }
     if mesh.triangles.is_empty() {
         return Err(bad("faces", "none", "at least one"));
     }

@@ -212,7 +212,7 @@ mod tests {
         let point = Vec3::new(0.05, 0.08, 0.06);
         for shape in [HEAD, CAPSULE] {
             let here = Surface::new(&shape).gap(point);
-            let there = Surface::new(&shape).moved(&pose).gap((pose * nalgebra::Point3::from(point)).coords);
+            let there = Surface::new(&shape).moved(&pose).gap((pose * Point3::from(point)).coords);
             assert!((here.distance_m - there.distance_m).abs() < 1e-14);
             assert!((pose.rotation * here.normal - there.normal).norm() < 1e-12);
         }

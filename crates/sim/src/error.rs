@@ -59,6 +59,21 @@ pub enum SimError {
         /// The control point at the far end of its stiffest stick, from the root, where one joint sets it.
         point: Option<usize>,
     },
+    /// An explicit integrator's run blew up at a step within its limit.
+    #[error(
+        "{integrator}: found strand {strand} nowhere at {secs} s, expected steps of {dt_secs:.3e} s to hold; hair so \
+         limp cracks like a whip, and no explicit step is sure to be short enough for that"
+    )]
+    BlewUp {
+        /// The integrator's name.
+        integrator: &'static str,
+        /// The strand.
+        strand: String,
+        /// Time of the first frame at which it is nowhere, s.
+        secs: f64,
+        /// The step, s.
+        dt_secs: f64,
+    },
     /// What keeps a run's parts failed.
     #[error("cannot keep or read back a part of the run")]
     Keeper(#[source] Box<dyn core::error::Error + Send + Sync>),

@@ -84,8 +84,29 @@ impl<'a> Ready<'a> {
         })?;
         let (counts, times_secs) = (self.groom.counts(), self.times_secs());
         let motion = StrandMotion { counts, times_secs, positions_m: moved.positions_m };
+        if layered.limit.is_some() {
+            self.check_whole(&motion, timeline.dt_secs())?;
+        }
         let report = self.report(&layered, &motion, &moved.count);
         Ok(Simulation { motion, report })
+    }
+
+    /// Refuses a motion of which a point is nowhere.
+    fn check_whole(&self, motion: &StrandMotion, dt_secs: f64) -> Result<(), SimError> {
+        let is_nowhere = |point: &[f32; 3]| point.iter().any(|c| !c.is_finite());
+        let Some(at) = motion.positions_m.iter().position(is_nowhere) else { return Ok(()) };
+        let (frame, mut point) = (at / motion.n_points(), at % motion.n_points());
+        let mut strand_idx = 0;
+        while point >= motion.counts[strand_idx] {
+            point -= motion.counts[strand_idx];
+            strand_idx += 1;
+        }
+        Err(SimError::BlewUp {
+            integrator: self.options.integrator().name(),
+            strand: self.groom.strands[strand_idx].name.clone(),
+            secs: motion.times_secs[frame],
+            dt_secs,
+        })
     }
 
     /// Time of every frame, s.
@@ -228,14 +249,17 @@ impl<'a> Ready<'a> {
 
     fn report(&self, layered: &Layered<'_>, motion: &StrandMotion, count: &Count) -> SimReport {
         let Layered { timeline, limit, .. } = layered;
+        let name = |strand_idx: &usize| &self.groom.strands[*strand_idx].name;
+        let limp = limit.as_ref().and_then(|limit| limit.limp_idx.as_ref()).map(name);
         let limit = match limit {
-            Some(Limit { dt_secs, strand_idx }) => {
-                format!("{dt_secs:.3e} s, set by strand {}", self.groom.strands[*strand_idx].name)
+            Some(Limit { dt_secs, strand_idx, .. }) => {
+                format!("{dt_secs:.3e} s, set by strand {}", name(strand_idx))
             }
             None => "none: no step is too long or too stiff".to_owned(),
         };
         let mut assumed = assumptions(self.groom, timeline, self.prepared.iter().map(Prepared::deepest_m));
         assumed.extend(held_styles(&self.prepared));
+        assumed.extend(limp.map(|strand| stays_whole(self.options.integrator(), strand, timeline.dt_secs())));
         let n_reaching = n_reaching(self.scene, self.prepared.iter().map(|p| &p.reaches[..]));
         let integrator = self.options.integrator();
         SimReport {
@@ -316,6 +340,17 @@ fn held_styles(prepared: &[Prepared]) -> Option<Assumption> {
     })
 }
 
+/// What was assumed of hair that may crack like a whip.
+fn stays_whole(integrator: Integrator, strand: &str, dt_secs: f64) -> Assumption {
+    Assumption {
+        what: format!("stability of {}", integrator.name()),
+        value: format!("steps of {dt_secs:.3e} s hold"),
+        why: format!(
+            "{strand} is limp: when it cracks like a whip no explicit step is sure to be short enough"
+        ),
+    }
+}
+
 /// The longest step of an explicit integrator; `None` for the others.
 fn explicit_limit(
     timeline: &Timeline<'_>,
@@ -339,5 +374,5 @@ fn explicit_limit(
         let pull = head.acceleration + head.per_meter * (lock.root_m.norm() + lock.reach_m()) + air;
         limit(&batch, &mut work, integrator == Integrator::Rk4, pull)
     });
-    limits.min_by(|a, b| a.dt_secs.total_cmp(&b.dt_secs))
+    limits.reduce(Limit::and)
 }
