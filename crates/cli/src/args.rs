@@ -390,6 +390,9 @@ pub struct SimulateArgs {
     /// How strands are drawn in a .usda file.
     #[arg(long, value_enum, default_value_t = ShapeArg::Curves, value_name = "SHAPE")]
     pub shape: ShapeArg,
+    /// Put what the hair touches into a .usda file too, as guides that renderers leave out.
+    #[arg(long)]
+    pub with_body: bool,
     /// Say which terms run, and what was left out and why.
     #[arg(long)]
     pub explain: bool,

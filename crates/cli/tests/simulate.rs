@@ -146,7 +146,7 @@ fn a_shots_body_comes_as_a_mesh() {
     room.write("head.obj", ellipsoid_obj([95.0, 75.0, 100.0]));
     let simulate = "simulate f.eff.mcap --groom bob.json --method physical --duration-secs 2";
     let mesh = "--head-mesh head.obj --mesh-unit mm --mesh-up Z";
-    let run = room.run(&format!("{simulate} -o mesh.npz -o mesh.usda {mesh} --explain")).ended(0);
+    let run = room.run(&format!("{simulate} -o mesh.npz -o mesh.usda --with-body {mesh} --explain")).ended(0);
     assert!(run.out.contains("body: head = head.obj: 12096 triangles, measured every 4.0 mm"), "{}", run.out);
     assert!(run.err.is_empty(), "{}", run.err);
     room.run(&format!("{simulate} -o own.npz")).ended(0);

@@ -1,4 +1,4 @@
-use super::simulate::write_motion;
+use super::simulate::{usd_options, write_motion};
 use crate::args::{DemoArgs, ShapeArg};
 use crate::ui::Outcome;
 use anyhow::{Context, ensure};
@@ -159,7 +159,12 @@ fn simulate(
         Ok((simulated, text))
     })?;
     for name in ["bob.npz", "bob.usda"] {
-        write_motion(&folder.path.join(name), &simulated.motion, groom, &eff.scene, ShapeArg::Both)?;
+        write_motion(
+            &folder.path.join(name),
+            &simulated.motion,
+            groom,
+            &usd_options(&eff.scene, ShapeArg::Both),
+        )?;
     }
     Ok(simulated)
 }

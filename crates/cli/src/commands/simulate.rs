@@ -39,9 +39,11 @@ pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let mut simulated = guided::simulate(&eff, &groom, &options, args, resumable.as_ref(), watch)?;
     simulated.report.assumed.extend(assumed);
     let scene = Scene { poses: options.head.unwrap_or_else(|| eff.scene.poses.clone()), ..eff.scene.clone() };
+    let mut usd = usd_options(&scene, args.shape);
+    usd.with_body = args.with_body;
     let mut outputs = Outputs::default();
     for output in &args.output {
-        outputs.add(output, |out| put_motion(output, &simulated.motion, &groom, &scene, args.shape, out))?;
+        outputs.add(output, |out| put_motion(output, &simulated.motion, &groom, &usd, out))?;
     }
     outputs.appear()?;
     if let Some(resumable) = resumable {
@@ -79,24 +81,14 @@ pub fn write_motion(
     path: &Path,
     motion: &StrandMotion,
     groom: &Groom,
-    scene: &Scene,
-    shape: ShapeArg,
+    usd: &UsdOptions<'_>,
 ) -> anyhow::Result<()> {
-    write_whole(path, |out| put_motion(path, motion, groom, scene, shape, out))?;
+    write_whole(path, |out| put_motion(path, motion, groom, usd, out))?;
     Ok(())
 }
 
-fn put_motion(
-    path: &Path,
-    motion: &StrandMotion,
-    groom: &Groom,
-    scene: &Scene,
-    shape: ShapeArg,
-    out: impl Write + Seek,
-) -> Result<(), ExportError> {
-    if ending(path) == "npz" {
-        return tousle_export::write_motion_npz(motion, out);
-    }
+/// Hair of this shape in its scene.
+pub fn usd_options(scene: &Scene, shape: ShapeArg) -> UsdOptions<'_> {
     let mut options = UsdOptions::default();
     options.geometry = match shape {
         ShapeArg::Curves => HairGeometry::Curves,
@@ -104,7 +96,20 @@ fn put_motion(
         ShapeArg::Both => HairGeometry::Both,
     };
     options.scene = Some(scene);
-    tousle_export::write_motion_usda(motion, groom, &options, out)
+    options
+}
+
+fn put_motion(
+    path: &Path,
+    motion: &StrandMotion,
+    groom: &Groom,
+    usd: &UsdOptions<'_>,
+    out: impl Write + Seek,
+) -> Result<(), ExportError> {
+    if ending(path) == "npz" {
+        return tousle_export::write_motion_npz(motion, out);
+    }
+    tousle_export::write_motion_usda(motion, groom, usd, out)
 }
 
 /// What was done, for a person.
