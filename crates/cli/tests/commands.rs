@@ -262,3 +262,17 @@ fn an_old_field_becomes_a_new_one() {
     assert!(run.out.contains("from version 0 to 1"), "{}", run.out);
     room.run("validate new.eff.mcap").ended(0);
 }
+
+/// The editor's window is a program of its own; where it is not built, one is told how to.
+#[test]
+fn a_studio_that_is_not_there_is_told_how_to_get() {
+    let room = Room::new();
+    let alone = room.path("tousle");
+    std::fs::copy(env!("CARGO_BIN_EXE_tousle"), &alone).unwrap();
+    let mut command = std::process::Command::new(alone);
+    command.args(["studio", "f.eff.mcap", "--groom", "bob.json"]).env("PATH", "");
+    let output = command.output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("cargo build --release -p tousle-studio"), "{said}");
+}

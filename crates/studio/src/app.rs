@@ -6,6 +6,7 @@ mod work;
 use crate::camera::Camera;
 use crate::document::Document;
 use crate::drag::Dragging;
+use crate::edits::{self, StackedEdit};
 use crate::files::{Files, Opened};
 use crate::panels::{self, Dialog};
 use crate::player::Player;
@@ -19,8 +20,8 @@ use eframe::egui_wgpu::RenderState;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use tousle_core::StrandMotion;
-use tousle_edit::{EditOutcome, Residual};
-use tousle_field::{FieldLayer, LayerOrigin};
+use tousle_edit::EditOutcome;
+use tousle_field::FieldLayer;
 
 /// The editor.
 #[derive(Debug)]
@@ -35,11 +36,13 @@ pub struct Studio {
     pub look: Look,
     /// The strand whose control points are shown, by its index.
     pub chosen_strand: Option<usize>,
-    /// The edit whose properties are shown, by its layer's id.
+    /// The edit whose properties are shown, by its id.
     pub chosen_edit: Option<String>,
     /// The first key of the next drag, s; `None` for the usual time before the second.
     pub first_key_secs: Option<f64>,
     pub(crate) hovered_strand: Option<usize>,
+    /// Where the button went down on the picture, while it is held.
+    pub(crate) pressed_at: Option<egui::Pos2>,
     pub(crate) drag: Option<Dragging>,
     pub(crate) shown: Shown,
     pub(crate) dialog: Option<Dialog>,
@@ -74,9 +77,7 @@ pub(crate) struct Shown {
     pub motion: Option<Arc<StrandMotion>>,
     /// The motion without the chosen edit.
     pub without: Option<Arc<StrandMotion>>,
-    /// How far each edit's point is from its target.
-    pub residuals: Vec<Residual>,
-    /// What became of the edits that were made in this window, by layer.
+    /// What became of the edits that were made in this window, by their ids.
     pub outcomes: BTreeMap<String, EditOutcome>,
     /// How long it took, s.
     pub took_secs: f64,
@@ -118,6 +119,7 @@ impl Studio {
             chosen_edit: None,
             first_key_secs: None,
             hovered_strand: None,
+            pressed_at: None,
             drag: None,
             shown: Shown::default(),
             dialog: unsaved.map(Dialog::Restore),
@@ -165,8 +167,8 @@ impl Studio {
     }
 
     /// Distance of an edit's point from its target in the newest motion, mm.
-    pub fn residual_mm(&self, layer_id: &str) -> Option<f64> {
-        self.shown.residuals.iter().find(|residual| residual.layer_id == layer_id)?.mm
+    pub fn residual_mm(&self, id: &str) -> Option<f64> {
+        edits::edit(self.shown_stack(), id)?.residual_mm(self.motion()?, &self.document.groom)
     }
 
     /// What was last said to the person, if it was an error.
@@ -179,18 +181,21 @@ impl Studio {
         if self.pending().is_some() { &self.shown.stack } else { self.document.stack() }
     }
 
-    /// The chosen edit's layer, as it is shown.
-    pub(crate) fn shown_layer(&self) -> Option<&FieldLayer> {
-        let id = self.chosen_edit.as_ref()?;
-        self.shown_stack().iter().find(|layer| layer.id == *id)
+    /// The edits as they are shown.
+    pub(crate) fn shown_edits(&self) -> Vec<StackedEdit> {
+        edits::edits(self.shown_stack())
+    }
+
+    /// The chosen edit, as it is shown.
+    pub(crate) fn shown_edit(&self) -> Option<StackedEdit> {
+        edits::edit(self.shown_stack(), self.chosen_edit.as_ref()?)
     }
 
     /// Chooses an edit, and the strand that it pulls.
     pub(crate) fn choose_edit(&mut self, id: &str) {
-        let Some(layer) = self.document.layer(id) else { return };
-        let LayerOrigin::Drag { strand, .. } = &layer.origin;
-        self.chosen_strand = self.document.groom.strands.iter().position(|s| s.name == *strand);
-        self.chosen_edit = Some(id.to_owned());
+        let Some(edit) = edits::edit(self.document.stack(), id) else { return };
+        self.chosen_strand = edit.strand_idx(&self.document.groom);
+        self.chosen_edit = Some(edit.id);
     }
 
     /// The edit that is being made or changed, until it is in the document.

@@ -1,5 +1,6 @@
 //! What is edited: a field's stack of edits, with undo and whether it was saved. Knows no window and no disk.
 
+use crate::edits::{self, StackedEdit};
 use crate::history::History;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -57,9 +58,9 @@ impl Document {
         self.stack.id()
     }
 
-    /// The layer with an id.
-    pub fn layer(&self, id: &str) -> Option<&FieldLayer> {
-        self.stack().iter().find(|layer| layer.id == id)
+    /// The edit with an id.
+    pub fn edit(&self, id: &str) -> Option<StackedEdit> {
+        edits::edit(self.stack(), id)
     }
 
     /// A new state of the stack, which undo takes back under this label.
@@ -69,30 +70,30 @@ impl Document {
         }
     }
 
-    /// Mutes a layer, or lets it be heard again.
+    /// Mutes an edit, or lets it be heard again.
     ///
     /// # Errors
-    /// [`EditError::NoLayer`] if no layer has this id.
+    /// [`EditError::NoLayer`] if no edit has this id.
     pub fn mute(&mut self, id: &str, muted: bool) -> Result<(), EditError> {
         let stack = tousle_edit::mute(self.stack(), id, muted)?;
         self.commit(if muted { "mute" } else { "unmute" }, stack);
         Ok(())
     }
 
-    /// Gives a layer another name.
+    /// Gives an edit another name.
     ///
     /// # Errors
-    /// [`EditError::NoLayer`] if no layer has this id.
+    /// [`EditError::NoLayer`] if no edit has this id.
     pub fn rename(&mut self, id: &str, name: &str) -> Result<(), EditError> {
         let stack = tousle_edit::rename(self.stack(), id, name)?;
         self.commit("rename", stack);
         Ok(())
     }
 
-    /// Takes a layer out.
+    /// Takes an edit out.
     ///
     /// # Errors
-    /// [`EditError::NoLayer`] if no layer has this id.
+    /// [`EditError::NoLayer`] if no edit has this id.
     pub fn delete(&mut self, id: &str) -> Result<(), EditError> {
         let stack = tousle_edit::remove(self.stack(), id)?;
         self.commit("delete", stack);
@@ -148,7 +149,7 @@ mod tests {
         document.mark_saved();
         document.mute("lift", true).unwrap();
         document.rename("lift", "Lift the fringe").unwrap();
-        assert_eq!(document.layer("lift").unwrap().name, "Lift the fringe");
+        assert_eq!(document.edit("lift").unwrap().name, "Lift the fringe");
         assert!(document.undo() && document.undo());
         assert!(!document.is_dirty() && !document.stack()[0].muted);
         assert_eq!(document.redo_label(), Some("mute"));

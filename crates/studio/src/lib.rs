@@ -11,6 +11,7 @@ mod app;
 pub mod camera;
 pub mod document;
 pub mod drag;
+pub mod edits;
 pub mod files;
 pub mod history;
 pub mod instant;

@@ -3,7 +3,7 @@
 use anyhow::{anyhow, bail};
 use clap::Parser;
 use eframe::egui::ViewportBuilder;
-use eframe::egui_wgpu::WgpuError;
+use eframe::egui_wgpu::{WgpuError, WgpuSetup};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use tousle_groom::{Axis, GroomOptions};
@@ -61,13 +61,17 @@ fn files(args: Args) -> Files {
 }
 
 fn window(files: Files, opened: Opened) -> anyhow::Result<()> {
-    let options = eframe::NativeOptions {
+    let mut options = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("tousle studio")
             .with_inner_size([1360.0, 860.0])
             .with_min_inner_size([800.0, 560.0]),
         ..eframe::NativeOptions::default()
     };
+    // The picture's numbers lie in storage buffers, which the fourth, OpenGL, need not have.
+    if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
+        setup.instance_descriptor.backends = wgpu::Backends::PRIMARY;
+    }
     let create: eframe::AppCreator<'_> = Box::new(|context| {
         let state = context.wgpu_render_state.as_ref().ok_or("egui draws without wgpu")?;
         Ok(Box::new(Studio::new(opened, files, state, &context.egui_ctx)))

@@ -1,5 +1,6 @@
 //! Simulates in the background: the newest request is run, those it overtook never are, and the window keeps drawing.
 
+use crate::edits::{put, without};
 use crate::solve::{Solved, Wanted, solve};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -14,9 +15,9 @@ use tousle_sim::{Method, SimOptions};
 pub struct Request {
     /// The layers on the field.
     pub stack: Vec<FieldLayer>,
-    /// An edit to be made into a layer first.
+    /// An edit to be made into layers first.
     pub wanted: Option<Wanted>,
-    /// A layer without which the motion is wanted too; a wanted edit's own always is.
+    /// An edit without which the motion is wanted too, by its id; a wanted edit always is one.
     pub without: Option<String>,
 }
 
@@ -38,7 +39,7 @@ pub struct Simulated {
     pub stack: Vec<FieldLayer>,
     /// The motion with all of them.
     pub motion: Arc<StrandMotion>,
-    /// The motion without the wanted layer, or the one that the request names.
+    /// The motion without the wanted edit, or the one that the request names.
     pub without: Option<Arc<StrandMotion>>,
     /// What became of the wanted edit.
     pub solved: Option<Solved>,
@@ -174,23 +175,21 @@ impl Stage<'_> {
     }
 
     fn answer(&mut self, request: &Request) -> Result<Simulated, String> {
-        let mut stack = request.stack.clone();
+        let stack = &request.stack;
         let Some(wanted) = &request.wanted else {
-            let motion = self.motion(&stack)?;
+            let motion = self.motion(stack)?;
             let without = match &request.without {
-                Some(id) => Some(self.motion(&without(&stack, id))?),
+                Some(id) => Some(self.motion(&without(stack, id))?),
                 None => None,
             };
-            return Ok(Simulated { stack, motion, without, solved: None });
+            return Ok(Simulated { stack: stack.clone(), motion, without, solved: None });
         };
-        let others = wanted.replaces.as_ref().map_or_else(|| stack.clone(), |id| without(&stack, id));
+        let replaced = wanted.replaces.as_deref();
+        let others = replaced.map_or_else(|| stack.clone(), |id| without(stack, id));
         let before = self.motion(&others)?;
         self.under.layers = others;
         let solved = solve(&self.under, self.scene, self.groom, &before, wanted).map_err(in_words)?;
-        match stack.iter_mut().find(|layer| Some(&layer.id) == wanted.replaces.as_ref()) {
-            Some(place) => *place = solved.layer.clone(),
-            None => stack.push(solved.layer.clone()),
-        }
+        let stack = put(stack, replaced, solved.layers.clone());
         let motion = self.motion(&stack)?;
         Ok(Simulated { stack, motion, without: Some(before), solved: Some(solved) })
     }
@@ -211,11 +210,6 @@ impl Stage<'_> {
         }
         Ok(self.kept[self.kept.len() - 1].1.clone())
     }
-}
-
-/// A stack without one of its layers.
-fn without(stack: &[FieldLayer], id: &str) -> Vec<FieldLayer> {
-    stack.iter().filter(|layer| layer.id != id).cloned().collect()
 }
 
 /// What of a stack changes a motion: names do not, nor do muted layers.
@@ -286,7 +280,7 @@ mod tests {
         let mut simulator = simulator();
         let number = simulator.ask(Request { wanted: Some(lift()), ..Request::default() });
         let first = answer(&mut simulator, number).result.unwrap();
-        let id = first.solved.unwrap().layer.id;
+        let id = first.solved.unwrap().id;
         assert_eq!(first.stack.iter().map(|layer| &layer.id).collect::<Vec<_>>(), [&id]);
         let before = first.without.unwrap();
         let moved = |motion: &StrandMotion| (motion.strand(42, 0)[4][0] - before.strand(42, 0)[4][0]) * 1e3;

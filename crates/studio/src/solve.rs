@@ -1,31 +1,30 @@
-//! The one place where a wanted edit becomes a layer: what stands behind it can change here and nowhere else.
+//! The one place where a wanted edit becomes layers: what stands behind it can change here and nowhere else.
 
 use tousle_core::{Groom, StrandMotion};
-use tousle_edit::{
-    Action, ControlPoint, DEFAULT_REACH_M, Drag, Edit, EditError, EditList, EditOptions, EditOutcome,
-    KeyTime, Target,
-};
-use tousle_field::{FieldLayer, FieldSequence, LayerOrigin, Scene};
+use tousle_edit::{Edit, EditError, EditList, EditOptions, EditOutcome};
+use tousle_field::{FieldLayer, FieldSequence, Scene};
 
 /// An edit that the stack should have.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wanted {
     /// What is asked for.
     pub edit: Edit,
-    /// The layer that it replaces; `None` to put a new one on top.
+    /// The edit that it replaces, by its id; `None` to put a new one on top.
     pub replaces: Option<String>,
 }
 
-/// A wanted edit as a layer.
+/// A wanted edit as layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solved {
-    /// The layer, under its id.
-    pub layer: FieldLayer,
+    /// The edit's id.
+    pub id: String,
+    /// Its layers.
+    pub layers: Vec<FieldLayer>,
     /// What became of what was asked for.
     pub outcome: EditOutcome,
 }
 
-/// Makes the layer of a wanted edit.
+/// Makes the layers of a wanted edit.
 ///
 /// In: the field with the other layers of the stack, what it blows around, the groom, and the motion that the groom
 /// has in this field.
@@ -45,25 +44,5 @@ pub fn solve(
     if let Some(id) = &wanted.replaces {
         (layer.id, outcome.layer_id) = (id.clone(), id.clone());
     }
-    Ok(Solved { layer, outcome })
-}
-
-/// The edit that a layer was made from, to be made again with something changed.
-pub fn wanted_again(layer: &FieldLayer) -> Wanted {
-    let LayerOrigin::Drag { strand, control_point, target_m, .. } = &layer.origin;
-    let drag = Drag {
-        strand: strand.clone(),
-        control_point: ControlPoint::Index(*control_point as u32),
-        target: Target::At(*target_m),
-        reach_m: layer.handles.first().map_or(DEFAULT_REACH_M, |handle| handle.reach_m),
-    };
-    let edit = Edit {
-        name: layer.name.clone(),
-        first: KeyTime::Secs(layer.first_secs),
-        second: KeyTime::Secs(layer.last_secs),
-        ease: layer.ease,
-        muted: layer.muted,
-        action: Action::Drag(drag),
-    };
-    Wanted { edit, replaces: Some(layer.id.clone()) }
+    Ok(Solved { id: layer.id.clone(), layers: vec![layer], outcome })
 }

@@ -86,9 +86,8 @@ impl Studio {
     }
 
     fn mute_chosen(&mut self) {
-        let Some(layer) = self.chosen_edit.as_ref().and_then(|id| self.document.layer(id)) else { return };
-        let (id, muted) = (layer.id.clone(), !layer.muted);
-        self.mute(&id, muted);
+        let Some(edit) = self.chosen_edit.as_ref().and_then(|id| self.document.edit(id)) else { return };
+        self.mute(&edit.id, !edit.muted);
     }
 
     /// Mutes an edit, or lets it be heard again.

@@ -74,13 +74,11 @@ impl Studio {
     fn take_in(&mut self, simulated: Simulated, commit: Option<String>) {
         let Simulated { stack, motion, without, solved } = simulated;
         self.player.span(&motion.times_secs);
-        self.shown.residuals =
-            tousle_edit::residuals(&motion, &self.document.groom, &stack).unwrap_or_default();
         self.shown.motion = Some(motion);
         self.shown.without = without;
         if let Some(solved) = solved {
-            self.chosen_edit = Some(solved.layer.id.clone());
-            self.shown.outcomes.insert(solved.layer.id, solved.outcome);
+            self.chosen_edit = Some(solved.id.clone());
+            self.shown.outcomes.insert(solved.id, solved.outcome);
         }
         self.shown.stack = stack;
         if let Some(label) = commit {
@@ -108,7 +106,7 @@ impl Studio {
         if self.work.pending.is_some() {
             return;
         }
-        if self.chosen_edit.as_ref().is_some_and(|id| self.document.layer(id).is_none()) {
+        if self.chosen_edit.as_ref().is_some_and(|id| self.document.edit(id).is_none()) {
             self.chosen_edit = None;
         }
         let now = (self.document.revision(), self.chosen_edit.clone());

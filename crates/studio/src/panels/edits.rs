@@ -3,12 +3,13 @@
 use super::sign::{Sign, sign_button};
 use super::widgets::{heading, muted};
 use crate::app::Studio;
+use crate::edits::StackedEdit;
 use crate::theme;
 use eframe::egui::{Align, Layout, RichText, Ui};
 
 pub fn show(ui: &mut Ui, studio: &mut Studio) {
     heading(ui, "Edits");
-    let rows: Vec<_> = studio.shown_stack().iter().map(|l| (l.id.clone(), l.name.clone(), l.muted)).collect();
+    let rows = studio.shown_edits();
     if rows.is_empty() {
         muted(
             ui,
@@ -16,7 +17,7 @@ pub fn show(ui: &mut Ui, studio: &mut Studio) {
         );
     }
     // The one on top of the stack is first in the list.
-    for (id, name, muted) in rows.into_iter().rev() {
+    for StackedEdit { id, name, muted, .. } in rows.into_iter().rev() {
         ui.push_id(&id, |ui| row(ui, studio, &id, &name, muted));
     }
     ui.separator();

@@ -7,7 +7,6 @@ use crate::instant;
 use crate::theme;
 use eframe::egui::{Align2, Color32, Painter, Pos2, Shape, Stroke, Ui, vec2};
 use tousle_core::StrandMotion;
-use tousle_field::LayerOrigin;
 
 /// How long before the first key and after the second the way is shown, s.
 const MARGIN_SECS: f64 = 0.1;
@@ -16,15 +15,13 @@ pub fn show(ui: &Ui, studio: &Studio, place: &Place) {
     if !studio.look.trails {
         return;
     }
-    let (Some(layer), Some(motion)) = (studio.shown_layer(), studio.motion()) else { return };
-    let LayerOrigin::Drag { strand, control_point, target_m, .. } = &layer.origin;
-    let Some(strand_idx) = studio.document.groom.strands.iter().position(|s| s.name == *strand) else {
-        return;
-    };
+    let (Some(edit), Some(motion)) = (studio.shown_edit(), studio.motion()) else { return };
+    let groom = &studio.document.groom;
+    let (Some(pull), Some(strand_idx)) = (&edit.pull, edit.strand_idx(groom)) else { return };
     let painter = ui.painter_at(place.rect);
-    let span = [layer.first_secs - MARGIN_SECS, layer.last_secs + MARGIN_SECS];
+    let span = [edit.span_secs[0] - MARGIN_SECS, pull.secs + MARGIN_SECS];
     let way = |motion: &StrandMotion| -> Vec<Pos2> {
-        let places = instant::way(motion, strand_idx, *control_point, span);
+        let places = instant::way(motion, strand_idx, pull.point, span);
         places.into_iter().filter_map(|p| place.at(p)).collect()
     };
     if let Some(without) = &studio.shown.without {
@@ -32,18 +29,15 @@ pub fn show(ui: &Ui, studio: &Studio, place: &Place) {
         painter.extend(Shape::dashed_line(&way(without), stroke, 5.0, 4.0));
     }
     painter.line(way(motion), Stroke::new(2.0, theme::ACCENT));
-    let at_key = |secs: f64| {
-        let points = instant::points_at(motion, secs);
-        let first: usize = motion.counts[..strand_idx].iter().sum();
-        instant::single(points[first + control_point])
-    };
-    let (first, second) = (at_key(layer.first_secs), at_key(layer.last_secs));
-    for at in [first, second].into_iter().filter_map(|p| place.at(p)) {
+    let at_key = |secs: f64| edit.point_at(motion, groom, secs).and_then(|p| place.at(p));
+    let (first, second) = (at_key(edit.span_secs[0]), at_key(pull.secs));
+    for at in [first, second].into_iter().flatten() {
         diamond(&painter, at, theme::WARM);
     }
-    if let (Some(from), Some(to)) = (place.at(second), place.at(*target_m)) {
+    if let (Some(from), Some(to), Some(mm)) =
+        (second, place.at(pull.target_m), edit.residual_mm(motion, groom))
+    {
         painter.extend(Shape::dashed_line(&[from, to], Stroke::new(1.5, theme::WARM), 3.0, 3.0));
-        let mm = (second - target_m).norm() * 1e3;
         text(&painter, to + vec2(14.0, -12.0), Align2::LEFT_CENTER, &format!("{mm:.1} mm off"));
     }
 }

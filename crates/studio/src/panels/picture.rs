@@ -4,9 +4,9 @@ use super::{legend, overlay};
 use crate::app::Studio;
 use crate::camera::{Eye, Pixel};
 use crate::drag::{Dragging, Grip};
+use crate::edits::Pull;
 use crate::instant;
 use crate::pick;
-use crate::solve::wanted_again;
 use crate::theme;
 use crate::view::Picture;
 use crate::view::hair::{self, Tint};
@@ -15,7 +15,6 @@ use eframe::egui::{
     Color32, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 use tousle_core::{Pose, Vec3};
-use tousle_field::LayerOrigin;
 
 /// Time between the keys of a drag without a first key, s.
 const USUAL_SPAN_SECS: f64 = 0.5;
@@ -131,7 +130,7 @@ fn choose(studio: &mut Studio, response: &Response, place: &Place, points: &[[f3
     });
     let before = (studio.hovered_strand, studio.chosen_strand);
     studio.hovered_strand = under;
-    if response.clicked() {
+    if was_clicked(studio, response) {
         studio.chosen_strand = under;
     }
     if before != (studio.hovered_strand, studio.chosen_strand) {
@@ -141,6 +140,20 @@ fn choose(studio: &mut Studio, response: &Response, place: &Place, points: &[[f3
     if let Some(strand_idx) = under {
         response.clone().on_hover_text_at_pointer(&studio.document.groom.strands[strand_idx].name);
     }
+}
+
+/// Whether the button went down and up at one place, however long that took: egui's own clicks are short ones, and
+/// hands, like machines, can be slow.
+fn was_clicked(studio: &mut Studio, response: &Response) -> bool {
+    const STILL: f32 = 6.0;
+    if response.is_pointer_button_down_on() {
+        let origin = response.ctx.input(|input| input.pointer.press_origin());
+        studio.pressed_at = studio.pressed_at.or(origin);
+        return false;
+    }
+    let (down, up) = (studio.pressed_at.take(), response.ctx.pointer_latest_pos());
+    let is_still = down.zip(up).is_some_and(|(down, up)| down.distance(up) < STILL);
+    response.clicked() || is_still
 }
 
 /// The chosen strand's control points, each a widget that can be dragged.
@@ -170,30 +183,22 @@ fn control_points(ui: &Ui, studio: &mut Studio, place: &Place, points: &[[f32; 3
 
 /// The chosen edit's target, which can be dragged as well.
 fn target(ui: &Ui, studio: &mut Studio, place: &Place) {
-    let Some(layer) = studio.shown_layer().cloned() else { return };
-    let LayerOrigin::Drag { strand, control_point, target_m, .. } = &layer.origin;
-    let pulled = studio.drag.as_ref().map(Dragging::target_m);
-    let target_m = pulled.unwrap_or(*target_m);
-    let Some(at) = place.at(target_m) else { return };
-    overlay::target(ui.painter(), at);
-    let Some(strand_idx) = studio.document.groom.strands.iter().position(|s| s.name == *strand) else {
+    let Some(edit) = studio.shown_edit() else { return };
+    let (Some(pull), Some(strand_idx)) = (&edit.pull, edit.strand_idx(&studio.document.groom)) else {
         return;
     };
-    let name = format!("Target of {}", layer.name);
+    let target_m = studio.drag.as_ref().map_or(pull.target_m, Dragging::target_m);
+    let Some(at) = place.at(target_m) else { return };
+    overlay::target(ui.painter(), at);
+    let name = format!("Target of {}", edit.name);
     let response = handle(ui, at, &name);
-    if response.drag_started_by(PointerButton::Primary) {
-        let grip = Grip {
-            strand_idx,
-            strand: strand.clone(),
-            point: *control_point,
-            keys_secs: [layer.first_secs, layer.last_secs],
-            target_m,
-        };
-        let wanted = wanted_again(&layer);
+    if let Some(wanted) = edit.wanted_again().filter(|_| response.drag_started_by(PointerButton::Primary)) {
+        let keys_secs = [edit.span_secs[0], pull.secs];
+        let grip = Grip { strand_idx, strand: pull.strand.clone(), point: pull.point, keys_secs, target_m };
         studio.player.playing = false;
         studio.drag = Some(Dragging::again(&grip, wanted, place.eye, place.pixel(grabbed(ui, at))));
     }
-    go_on(studio, place, &response, strand_idx, *control_point);
+    go_on(studio, place, &response, strand_idx, pull.point);
     response.on_hover_text(name);
 }
 
@@ -226,12 +231,12 @@ fn begin(studio: &mut Studio, place: &Place, grabbed: Pos2, strand_idx: usize, p
     player.go(second);
     let strand = studio.document.groom.strands[strand_idx].name.clone();
     let at = place.pixel(grabbed);
-    let is_same = |layer: &&tousle_field::FieldLayer| {
-        let LayerOrigin::Drag { strand: of, control_point, .. } = &layer.origin;
-        *of == strand && *control_point == point && (layer.last_secs - second).abs() < 0.5 * frame
-    };
     // Pulled once more at the same key, the edit aims elsewhere: two that pull at once would add up.
-    let again = studio.shown_layer().filter(is_same).map(wanted_again);
+    let is_same = |pull: &Pull| {
+        pull.strand == strand && pull.point == point && (pull.secs - second).abs() < 0.5 * frame
+    };
+    let again = studio.shown_edit().filter(|edit| edit.pull.as_ref().is_some_and(is_same));
+    let again = again.and_then(|edit| edit.wanted_again());
     let grip = Grip { strand_idx, strand, point, keys_secs: [first, second], target_m: at_m };
     studio.drag = Some(match again {
         Some(wanted) => Dragging::again(&grip, wanted, place.eye, at),

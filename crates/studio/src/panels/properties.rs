@@ -3,31 +3,30 @@
 use super::sign::{Sign, sign_button};
 use super::widgets::{heading, muted, number};
 use crate::app::Studio;
-use crate::solve::{Wanted, wanted_again};
+use crate::solve::Wanted;
 use crate::theme;
 use eframe::egui::{DragValue, Response, RichText, TextEdit, Ui};
 use std::ops::RangeInclusive;
 use tousle_edit::{Action, KeyTime};
-use tousle_field::LayerOrigin;
 
 pub fn show(ui: &mut Ui, studio: &mut Studio) {
-    let Some(id) = studio.chosen_edit.clone() else { return };
-    let Some(layer) = studio.shown_stack().iter().find(|layer| layer.id == id).cloned() else { return };
+    let Some(edit) = studio.shown_edit() else { return };
     heading(ui, "Edit");
-    name(ui, studio, &id, &layer.name);
-    let LayerOrigin::Drag { strand, control_point, method, .. } = &layer.origin;
-    muted(ui, format!("strand {strand}, point {control_point}, method {method}"));
+    name(ui, studio, &edit.id, &edit.name);
+    let Some(pull) = &edit.pull else { return };
+    muted(ui, format!("strand {}, point {}, method {}", pull.strand, pull.point, edit.method));
 
-    let is_of_it = |wanted: &&Wanted| wanted.replaces.as_ref() == Some(&id);
-    let mut wanted = studio.pending().filter(is_of_it).cloned().unwrap_or_else(|| wanted_again(&layer));
+    let is_of_it = |wanted: &&Wanted| wanted.replaces.as_ref() == Some(&edit.id);
+    let pending = studio.pending().filter(is_of_it).cloned();
+    let Some(mut wanted) = pending.or_else(|| edit.wanted_again()) else { return };
     let changed =
         [keys(ui, studio, &mut wanted), shape(ui, &mut wanted)].into_iter().max().unwrap_or_default();
     match changed {
         Change::None => {}
         Change::GoesOn => studio.want(wanted, None),
-        Change::Done => studio.want(wanted, Some(format!("change {}", layer.name))),
+        Change::Done => studio.want(wanted, Some(format!("change {}", edit.name))),
     }
-    outcome(ui, studio, &id);
+    outcome(ui, studio, &edit.id);
 }
 
 /// Whether a value was changed.

@@ -3,15 +3,14 @@
 use super::overlay::diamond;
 use super::sign::{Sign, sign_button};
 use crate::app::Studio;
+use crate::edits::StackedEdit;
 use crate::shortcuts::Command;
-use crate::solve::wanted_again;
 use crate::theme;
 use eframe::egui::{
     Align2, Color32, ComboBox, DragValue, FontId, Painter, Pos2, Rect, Role, ScrollArea, Sense, Stroke, Ui,
     Vec2, WidgetInfo, pos2, vec2,
 };
 use tousle_edit::KeyTime;
-use tousle_field::FieldLayer;
 
 const RULER: f32 = 22.0;
 const ROW: f32 = 22.0;
@@ -22,15 +21,16 @@ const SPEEDS: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 pub fn show(ui: &mut Ui, studio: &mut Studio) {
     transport(ui, studio);
     ui.add_space(4.0);
-    let rows = studio.shown_stack().to_vec();
+    let rows = studio.shown_edits();
     let height = RULER + ROW * rows.len().max(1) as f32 + 4.0;
     ScrollArea::vertical().max_height(150.0).show(ui, |ui| {
         let (rect, response) =
             ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::click_and_drag());
         let axis = Axis { rect, span: [studio.player.start_secs(), studio.player.end_secs()] };
         response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Timeline"));
-        if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged() || response.clicked())
-        {
+        // At once when the button goes down, not when it is known whether this is a click or a drag.
+        let is_held = response.is_pointer_button_down_on() || response.clicked();
+        if let Some(at) = response.interact_pointer_pos().filter(|_| is_held) {
             if at.x >= axis.left() - 8.0 {
                 studio.player.playing = false;
                 let time_secs = studio.player.snapped(axis.secs(at.x));
@@ -39,15 +39,15 @@ pub fn show(ui: &mut Ui, studio: &mut Studio) {
                 ui.ctx().request_repaint();
             }
             let row = ((at.y - rect.top() - RULER) / ROW).floor();
-            if let Some(layer) = rows.get(row as usize).filter(|_| response.clicked() && row >= 0.0) {
-                studio.choose_edit(&layer.id);
+            if let Some(edit) = rows.get(row as usize).filter(|_| response.clicked() && row >= 0.0) {
+                studio.choose_edit(&edit.id);
             }
         }
         let painter = ui.painter_at(rect.expand(2.0));
         ruler(&painter, &axis, studio);
-        for (k, layer) in rows.iter().enumerate() {
+        for (k, edit) in rows.iter().enumerate() {
             let y = rect.top() + RULER + ROW * (k as f32 + 0.5);
-            edit_row(ui, &painter, studio, &axis, y, layer);
+            edit_row(ui, &painter, studio, &axis, y, edit);
         }
         playhead(&painter, &axis, studio);
     });
@@ -151,34 +151,35 @@ fn ruler(painter: &Painter, axis: &Axis, studio: &Studio) {
     }
 }
 
-fn edit_row(ui: &Ui, painter: &Painter, studio: &mut Studio, axis: &Axis, y: f32, layer: &FieldLayer) {
-    let is_chosen = studio.chosen_edit.as_ref() == Some(&layer.id);
-    let color = match (layer.muted, is_chosen) {
+fn edit_row(ui: &Ui, painter: &Painter, studio: &mut Studio, axis: &Axis, y: f32, edit: &StackedEdit) {
+    let is_chosen = studio.chosen_edit.as_ref() == Some(&edit.id);
+    let color = match (edit.muted, is_chosen) {
         (true, _) => theme::MUTED.gamma_multiply(0.6),
         (false, true) => theme::ACCENT,
         (false, false) => theme::MUTED,
     };
     let names = Rect::from_min_max(pos2(axis.rect.left(), y - 10.0), pos2(axis.left() - 8.0, y + 10.0));
     let clipped = painter.with_clip_rect(names);
-    clipped.text(names.left_center(), Align2::LEFT_CENTER, &layer.name, FontId::proportional(12.5), color);
-    let bar =
-        Rect::from_min_max(pos2(axis.x(layer.first_secs), y - 4.0), pos2(axis.x(layer.last_secs), y + 4.0));
+    clipped.text(names.left_center(), Align2::LEFT_CENTER, &edit.name, FontId::proportional(12.5), color);
+    let [first, last] = edit.span_secs;
+    let bar = Rect::from_min_max(pos2(axis.x(first), y - 4.0), pos2(axis.x(last), y + 4.0));
     painter.rect_filled(bar, 3.0, color.gamma_multiply(0.35));
-    ease(painter, bar, layer, color);
-    for (which, secs) in [("First key", layer.first_secs), ("Second key", layer.last_secs)] {
-        key(ui, painter, studio, axis, pos2(axis.x(secs), y), layer, which);
+    ease(painter, bar, edit, color);
+    if let Some(pull) = &edit.pull {
+        for (which, secs) in [("First key", first), ("Second key", pull.secs)] {
+            key(ui, painter, studio, axis, pos2(axis.x(secs), y), edit, which);
+        }
     }
 }
 
 /// How the edit comes and goes, as a line over its bar.
-fn ease(painter: &Painter, bar: Rect, layer: &FieldLayer, color: Color32) {
-    const N: usize = 24;
-    let at = |k: usize| {
-        let share = k as f64 / N as f64;
-        let up = layer.ease.presence(share) as f32;
-        pos2(bar.left() + bar.width() * share as f32, bar.bottom() - bar.height() * up)
+fn ease(painter: &Painter, bar: Rect, edit: &StackedEdit, color: Color32) {
+    let n = edit.presence.len().max(2) - 1;
+    let at = |(k, there): (usize, &f64)| {
+        let x = bar.left() + bar.width() * k as f32 / n as f32;
+        pos2(x, bar.bottom() - bar.height() * *there as f32)
     };
-    painter.line((0..=N).map(at).collect(), Stroke::new(1.0, color));
+    painter.line(edit.presence.iter().enumerate().map(at).collect(), Stroke::new(1.0, color));
 }
 
 /// A key that can be dragged to another time.
@@ -188,29 +189,31 @@ fn key(
     studio: &mut Studio,
     axis: &Axis,
     at: Pos2,
-    layer: &FieldLayer,
+    edit: &StackedEdit,
     which: &str,
 ) {
-    let name = format!("{which} of {}", layer.name);
+    let name = format!("{which} of {}", edit.name);
     let rect = Rect::from_center_size(at, Vec2::splat(14.0));
-    let response = ui.interact(rect, ui.scope_id().with((&layer.id, which)), Sense::click_and_drag());
+    let response = ui.interact(rect, ui.scope_id().with((&edit.id, which)), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
-    let fill = if layer.muted { theme::MUTED } else { theme::WARM };
+    let fill = if edit.muted { theme::MUTED } else { theme::WARM };
     diamond(painter, at, if response.hovered() { theme::INK } else { fill });
-    let pointer = response.interact_pointer_pos().filter(|_| response.dragged() || response.drag_stopped());
     if response.clicked() {
-        studio.choose_edit(&layer.id);
+        studio.choose_edit(&edit.id);
     }
-    if let Some(pointer) = pointer {
+    let pointer = response.interact_pointer_pos().filter(|_| response.dragged() || response.drag_stopped());
+    if let (Some(pointer), Some(mut wanted)) = (pointer, edit.wanted_again()) {
         let frames = 3.0 / studio.player.rate_hz();
         let secs = studio.player.snapped(axis.secs(pointer.x));
-        let mut wanted = wanted_again(layer);
-        if which == "First key" {
-            wanted.edit.first = KeyTime::Secs(secs.min(layer.last_secs - frames));
-        } else {
-            wanted.edit.second = KeyTime::Secs(secs.max(layer.first_secs + frames));
+        let span = (wanted.edit.first, wanted.edit.second);
+        match span {
+            (_, KeyTime::Secs(second)) if which == "First key" => {
+                wanted.edit.first = KeyTime::Secs(secs.min(second - frames));
+            }
+            (KeyTime::Secs(first), _) => wanted.edit.second = KeyTime::Secs(secs.max(first + frames)),
+            _ => {}
         }
-        let label = response.drag_stopped().then(|| format!("move a key of {}", layer.name));
+        let label = response.drag_stopped().then(|| format!("move a key of {}", edit.name));
         studio.want(wanted, label);
     }
     response.on_hover_text(name);
