@@ -33,6 +33,7 @@ pub use motion::{
 };
 pub use precision::{Curve, CurvePoint, WorkPrecision};
 pub use table::{Cell, Table};
+pub(crate) use true_wind::sim_to_the_end;
 pub use true_wind::{Judged, sim_in_field, sim_in_true_wind};
 pub use truth::{Truth, TruthError};
 pub use way::Way;

@@ -14,15 +14,16 @@ pub use worse::Worse;
 use crate::capture::failed;
 use crate::{
     BenchError, CaptureFolder, Cost, FieldScore, MotionScore, Stopwatch, TrueWind, resample_to_truth,
-    score_field, sim_in_field,
+    score_field, score_motion, sim_in_field, sim_to_the_end,
 };
 use serde::Serialize;
 use std::path::Path;
-use tousle_core::{NoProgress, Progress, STANDARD_GRAVITY, UpAxis};
+use tousle_core::{HeadCapture, NoProgress, Progress, STANDARD_GRAVITY, UpAxis};
 use tousle_field::{FieldSequence, GridSpec, Scene};
-use tousle_fit::{FitMethod, FitOptions};
+use tousle_fit::{Fit, FitMethod, FitOptions, Wig};
 use tousle_pipeline::{Input, PrepareOptions, Prepared, Silent, prepare};
 use tousle_raster::{RasterMethod, RasterOptions};
+use tousle_refine::RefineReport;
 use tousle_sim::{Method, SimOptions};
 
 /// One setting on one capture.
@@ -30,7 +31,7 @@ use tousle_sim::{Method, SimOptions};
 pub struct MeasureRow {
     /// The capture's name.
     pub capture: String,
-    /// What is varied: `method`, `voxel`, `rate`, `markers`, `locks`, `noise`, `gaps`.
+    /// What is varied: `method`, `dirt`, `voxel`, `rate`, `markers`, `locks`, `noise`, `gaps`.
     pub varied: &'static str,
     /// The setting in words.
     pub setting: String,
@@ -38,8 +39,13 @@ pub struct MeasureRow {
     pub cost: Cost,
     /// Style B simulated in the field, against its truth.
     pub motion: MotionScore,
+    /// The captured wig itself simulated in the field, its markers against theirs; `None` for `paper`, which does not know
+    /// what the wig is made of.
+    pub wig: Option<MotionScore>,
     /// The field against the true wind.
     pub field: FieldScore,
+    /// How the closed loop went; `None` without it.
+    pub refined: Option<RefineReport>,
     /// How honest the field's standard deviations are; `None` where it states none.
     pub calibration: Option<Calibration>,
 }
@@ -87,8 +93,10 @@ fn judge(
     prepared: &Prepared,
     setting: &Setting,
 ) -> Result<MeasureRow, BenchError> {
+    let seen = setting.worse.applied(&prepared.located.head, || folder.truth.markers());
+    let seen = seen.map_err(folder.truth_failed())?;
     let watch = Stopwatch::start();
-    let (field, scene) = measure(folder.name(), prepared, setting)?;
+    let Measured { field, scene, wig, refined } = measure(folder.name(), prepared, &seen, setting)?;
     let cost = watch.stop();
     let simulate = match setting.fit {
         FitMethod::Paper(_) => SimOptions::of(Method::Paper),
@@ -103,30 +111,51 @@ fn judge(
         setting: setting.words.clone(),
         cost,
         motion: judged.score,
+        wig: wig.map(|wig| again(folder, &wig, prepared, &field, &scene)).transpose()?,
         field: score,
+        refined,
         calibration: Calibration::of(&field, wind),
     })
 }
 
-/// The stages from cleaning on, on a capture made worse.
-fn measure(name: &str, prepared: &Prepared, setting: &Setting) -> Result<(FieldSequence, Scene), BenchError> {
+/// The captured wig simulated in a field, its markers against where they really were.
+fn again(
+    folder: &CaptureFolder,
+    wig: &Wig,
+    prepared: &Prepared,
+    field: &FieldSequence,
+    scene: &Scene,
+) -> Result<MotionScore, BenchError> {
+    let truth = folder.truth.markers().map_err(folder.truth_failed())?;
+    let options =
+        SimOptions { rate_hz: prepared.ingested.capture.rate_hz, ..SimOptions::of(Method::Physical) };
+    let motion = sim_to_the_end(folder.name(), field, scene, &wig.groom, &truth, &options)?.motion;
+    score_motion(&wig.markers(&motion, &prepared.session), &truth)
+        .map_err(failed(folder.name(), "scoring the captured wig"))
+}
+
+/// What the stages make of a capture.
+struct Measured {
+    field: FieldSequence,
+    scene: Scene,
+    wig: Option<Wig>,
+    refined: Option<RefineReport>,
+}
+
+/// The stages from cleaning on.
+fn measure(
+    name: &str,
+    prepared: &Prepared,
+    seen: &HeadCapture,
+    setting: &Setting,
+) -> Result<Measured, BenchError> {
     let session = &prepared.session;
-    let worse = setting.worse.applied(&prepared.located.head);
     let cleaned =
-        tousle_clean::clean(&worse, session, &Default::default()).map_err(failed(name, "cleaning"))?;
+        tousle_clean::clean(seen, session, &Default::default()).map_err(failed(name, "cleaning"))?;
     let up_axis = session.up_axis.or(prepared.ingested.capture.up_axis);
     let fit_options = FitOptions { method: setting.fit.clone(), rate_hz: setting.rate_hz, up_axis };
     let fit = tousle_fit::fit(&cleaned.head, Some(&cleaned.samples), session, &fit_options, &NoProgress)
         .map_err(failed(name, "the fit"))?;
-    let method = match setting.fit {
-        FitMethod::Paper(_) => RasterMethod::Paper,
-        _ => RasterMethod::Physical,
-    };
-    let grid = GridSpec::cube(EXTENT_M, setting.edge_m).map_err(failed(name, "the grid"))?;
-    let options = RasterOptions { method, grid };
-    let raster =
-        tousle_raster::rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &options, &NoProgress)
-            .map_err(failed(name, "filling the grid"))?;
     let tracked = &prepared.located.tracked;
     let scene = Scene {
         poses: tracked.poses.clone(),
@@ -135,5 +164,31 @@ fn measure(name: &str, prepared: &Prepared, setting: &Setting) -> Result<(FieldS
         air_density: session.air_density,
         body: session.body.clone(),
     };
-    Ok((raster.sequence, scene))
+    let method = match setting.fit {
+        FitMethod::Paper(_) => RasterMethod::Paper,
+        _ => RasterMethod::Physical,
+    };
+    let grid = GridSpec::cube(EXTENT_M, setting.edge_m).map_err(failed(name, "the grid"))?;
+    let options = RasterOptions { method, grid };
+    let lay = |fit: &Fit| {
+        tousle_raster::rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &options, &NoProgress)
+    };
+    let (fit, refined) = match &setting.refine {
+        None => (fit, None),
+        Some(refine) => {
+            let measured = tousle_refine::Measured {
+                head: &cleaned.head,
+                origins: Some(&cleaned.samples),
+                session,
+                options: &fit_options,
+                scene: &scene,
+            };
+            let lay = |fit: &Fit| Ok(lay(fit)?.sequence);
+            let refined = tousle_refine::refine(fit, &measured, &lay, refine, &NoProgress)
+                .map_err(failed(name, "refining"))?;
+            (refined.fit, Some(refined.report))
+        }
+    };
+    let raster = lay(&fit).map_err(failed(name, "filling the grid"))?;
+    Ok(Measured { field: raster.sequence, scene, wig: fit.wig, refined })
 }

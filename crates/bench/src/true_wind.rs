@@ -1,8 +1,8 @@
 //! The other hairstyle in the true wind: how good the simulator is, whatever the capture told.
 
 use crate::capture::failed;
-use crate::{BenchError, CaptureFolder, Cost, MotionScore, Stopwatch, score_motion};
-use tousle_core::NoProgress;
+use crate::{BenchError, CaptureFolder, Cost, MotionScore, Stopwatch, TrueMotion, score_motion};
+use tousle_core::{Groom, NoProgress};
 use tousle_field::{FieldSequence, Scene};
 use tousle_sim::{SimOptions, Simulation, TimeMode};
 
@@ -44,19 +44,36 @@ pub fn sim_in_field(
 ) -> Result<Judged, BenchError> {
     let truth = capture.truth.style_b().map_err(capture.truth_failed())?;
     let groom = capture.style_b()?;
-    let end_secs = truth.times_secs.last().copied().unwrap_or(0.0);
-    let options = SimOptions {
-        start_secs: Some(0.0),
-        // The truth's times are single-precision: its last frame may lie just short of a whole one of ours.
-        duration_secs: Some(end_secs + 0.5 / options.rate_hz),
-        time: TimeMode::Hold,
-        ..options.clone()
-    };
     let watch = Stopwatch::start();
-    let simulation = tousle_sim::simulate(field, scene, &groom, &options, &NoProgress)
-        .map_err(failed(capture.name(), "simulating style B"))?;
+    let simulation = sim_to_the_end(capture.name(), field, scene, &groom, &truth, options)?;
     let cost = watch.stop();
     let score =
         score_motion(&simulation.motion, &truth).map_err(failed(capture.name(), "scoring style B"))?;
-    Ok(Judged { simulation, cost, simulated_secs: end_secs, score })
+    Ok(Judged { simulation, cost, simulated_secs: end_secs(&truth), score })
+}
+
+/// Simulates a groom in a field over a truth's span.
+///
+/// # Errors
+/// [`BenchError`] if the simulator refuses.
+pub(crate) fn sim_to_the_end(
+    capture: &str,
+    field: &FieldSequence,
+    scene: &Scene,
+    groom: &Groom,
+    truth: &TrueMotion,
+    options: &SimOptions,
+) -> Result<Simulation, BenchError> {
+    let options = SimOptions {
+        start_secs: Some(0.0),
+        // The truth's times are single-precision: its last frame may lie just short of a whole one of ours.
+        duration_secs: Some(end_secs(truth) + 0.5 / options.rate_hz),
+        time: TimeMode::Hold,
+        ..options.clone()
+    };
+    tousle_sim::simulate(field, scene, groom, &options, &NoProgress).map_err(failed(capture, "simulating"))
+}
+
+fn end_secs(truth: &TrueMotion) -> f64 {
+    truth.times_secs.last().copied().unwrap_or(0.0)
 }

@@ -22,7 +22,7 @@ fn another_hairstyle_moves_as_it_really_did() {
         ("two_fans", 0.70, 0.86, 0.23),
     ] {
         let report = measure::run(&captures, &[name.to_owned()], &Setting::methods(), &NoProgress).unwrap();
-        let [paper, physical] = &report.rows[..] else { panic!("expected two rows") };
+        let [paper, physical, refined, clean] = &report.rows[..] else { panic!("expected four rows") };
         let motion = |row: &measure::MeasureRow| {
             (row.motion.points.explained_motion, row.motion.locks.as_ref().unwrap().explained_median)
         };
@@ -34,6 +34,14 @@ fn another_hairstyle_moves_as_it_really_did() {
         assert!(found.0 > of_paper.0 + 0.1 && found.1 > of_paper.1 + 0.1, "{name}: paper has {of_paper:?}");
         let off = physical.field.hair.unwrap().vector_error;
         assert!(off <= vector_error, "{name}: wind is off by {off} of it, expected at most {vector_error}");
+        // The closed loop never leaves the wig's own locks farther off, and dirt costs at most a tenth.
+        let of_refined = motion(refined);
+        assert!(of_refined.1 >= found.1 - 0.02, "{name}: {of_refined:?} refined, {found:?} before");
+        let wig =
+            |row: &measure::MeasureRow| row.wig.as_ref().unwrap().locks.as_ref().unwrap().explained_median;
+        assert!(wig(refined) >= wig(physical) - 0.01, "{name}: the wig itself");
+        let of_clean = motion(clean);
+        assert!(found.1 >= 0.9 * of_clean.1, "{name}: {found:?}, {of_clean:?} without dirt");
         let within = physical.calibration.as_ref().map(Calibration::within_two).unwrap();
         assert!(within[0] > 0.85, "{name}: {within:?} of the truth within two standard deviations");
     }

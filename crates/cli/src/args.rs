@@ -76,6 +76,9 @@ pub struct ConvertArgs {
     /// Time steps of the field a second.
     #[arg(long, default_value_t = 30.0, value_name = "HZ")]
     pub rate_hz: f64,
+    /// Mend the wind until the captured wig, simulated in it, moves as it was seen to move; takes some five times as long.
+    #[arg(long)]
+    pub refine: bool,
     /// How equation E3 of the paper is read.
     #[arg(long, value_enum, default_value_t = ReadingArg::RestPose)]
     pub reading: ReadingArg,
@@ -538,9 +541,12 @@ pub struct BenchWindArgs {
     /// Only this capture; may be given several times [default: all].
     #[arg(long = "capture", value_name = "NAME")]
     pub names: Vec<String>,
-    /// Only both methods as they are by default.
+    /// Only both methods as they are by default, and the closed loop.
     #[arg(long)]
     pub quick: bool,
+    /// Instead: what would have been chosen for each capture from the others alone.
+    #[arg(long, conflicts_with = "quick")]
+    pub leave_one_out: bool,
     /// The folder for the table, the plot and the page (CSV, SVG, HTML) [default: print only].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,

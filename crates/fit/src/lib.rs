@@ -11,7 +11,7 @@ mod resample;
 
 pub use outside::outside_direction;
 pub use paper::{PaperOptions, PaperReading, PaperSpan};
-pub use physical::{LockFound, PhysicalOptions, PhysicalReport};
+pub use physical::{Defects, LockFound, PhysicalOptions, PhysicalReport, Scales, Taught, Wig};
 
 use serde::Serialize;
 use tousle_core::{HeadCapture, Progress, Sample, Session, Track, UpAxis, Vec3, WindSamples};
@@ -53,6 +53,8 @@ pub struct Fit {
     pub outside: Vec<Vec3>,
     /// The air round the head that the samples are of; `None` for `paper`, which knows none.
     pub air: Option<AirFlow>,
+    /// The captured locks, ready to be simulated; `None` for `paper`, which does not know what they are made of.
+    pub wig: Option<Wig>,
     /// What happened.
     pub report: FitReport,
 }
@@ -134,6 +136,21 @@ pub fn fit(
     options: &FitOptions,
     progress: &dyn Progress,
 ) -> Result<Fit, FitError> {
+    fit_taught(head, origins, session, options, &Taught::default(), progress)
+}
+
+/// [`fit`] with what a simulation of the captured wig taught; the method `paper` learns nothing from it.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_taught(
+    head: &HeadCapture,
+    origins: Option<&[Vec<Vec<Sample>>]>,
+    session: &Session,
+    options: &FitOptions,
+    taught: &Taught,
+    progress: &dyn Progress,
+) -> Result<Fit, FitError> {
     if !(options.rate_hz.is_finite() && options.rate_hz > 0.0) {
         return Err(FitError::NotPositive { what: "rate", found: options.rate_hz });
     }
@@ -146,11 +163,40 @@ pub fn fit(
     match &options.method {
         FitMethod::Paper(paper) => paper::fit_paper(head, origins, session, options.rate_hz, paper),
         FitMethod::Physical(physical) => {
-            let up_axis = session.up_axis.or(options.up_axis).ok_or(FitError::NoUpAxis)?;
-            let set = physical::Set { rate_hz: options.rate_hz, up_axis, options: physical };
+            let set = physical_set(session, options, physical, taught)?;
             physical::fit_physical(head, origins, session, &set, progress)
         }
     }
+}
+
+/// What the balance of moments leaves over of the captured wig when it moves as a simulator says, by lock of the session:
+/// nothing if balance and simulator were the same, and if smoothing and splines lost nothing.
+///
+/// In: the simulated markers, head space, in place of the seen ones; the air that they were simulated in, and what the locks
+/// were made of there. Out: `None` for locks without markers, and for all by the method `paper`.
+///
+/// # Errors
+/// [`FitError`] if nobody knows which way is up, or there is not one lock.
+pub fn defects(
+    simulated: &HeadCapture,
+    session: &Session,
+    options: &FitOptions,
+    scales: &[Scales],
+    air: &AirFlow,
+) -> Result<Vec<Option<Defects>>, FitError> {
+    let FitMethod::Physical(physical) = &options.method else { return Ok(vec![None; session.strands.len()]) };
+    let taught = Taught { scales: scales.to_vec(), defects: Vec::new() };
+    physical::defects(simulated, session, &physical_set(session, options, physical, &taught)?, air)
+}
+
+fn physical_set<'a>(
+    session: &Session,
+    options: &FitOptions,
+    physical: &'a PhysicalOptions,
+    taught: &'a Taught,
+) -> Result<physical::Set<'a>, FitError> {
+    let up_axis = session.up_axis.or(options.up_axis).ok_or(FitError::NoUpAxis)?;
+    Ok(physical::Set { rate_hz: options.rate_hz, up_axis, options: physical, taught })
 }
 
 fn check(head: &HeadCapture, origins: &[Vec<Vec<Sample>>]) -> Result<(), FitError> {

@@ -120,7 +120,7 @@ pub(crate) fn fit_paper(
         noise_m,
         physical: None,
     };
-    Ok(Fit { outside: outside(&samples, session, head), samples, air: None, report })
+    Ok(Fit { outside: outside(&samples, session, head), samples, air: None, wig: None, report })
 }
 
 fn markers<'a>(

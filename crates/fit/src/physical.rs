@@ -11,7 +11,9 @@ mod smooth;
 mod smoother;
 mod solve;
 mod spline;
+mod taught;
 mod tracks;
+mod wig;
 
 use crate::resample::n_steps;
 use crate::{Fit, FitError, FitReport};
@@ -19,11 +21,13 @@ use lock::{Seeing, SeenLock};
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 pub use report::{LockFound, PhysicalReport};
+pub use taught::{Defects, Scales, Taught};
 use tousle_core::{
-    HeadCapture, Progress, Quantity, STANDARD_GRAVITY, Sample, Session, UpAxis, WindSample, WindSamples,
+    HeadCapture, Progress, Quantity, STANDARD_GRAVITY, Sample, Session, UpAxis, Vec3, WindSample, WindSamples,
 };
 use tousle_flow::{AirFlow, AirState};
 use tracks::Clock;
+pub use wig::Wig;
 
 /// How the method `physical` is set.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,11 +36,16 @@ pub struct PhysicalOptions {
     pub cutoff_hz: f64,
     /// The most swirl modes.
     pub max_modes: usize,
+    /// Half the way over which a swirl turns round, m > 0: swirls near a head are some 10 to 20 cm across.
+    pub swirl_length_m: f64,
+    /// Error of a joint's bend, rad: what a spline between markers cannot see (curls of a few millimeters), and twist. If it
+    /// rises, less is told by the outer ends of locks, whose weight is small beside their stiffness.
+    pub bend_error_rad: f64,
 }
 
 impl Default for PhysicalOptions {
     fn default() -> Self {
-        Self { cutoff_hz: 10.0, max_modes: 60 }
+        Self { cutoff_hz: 10.0, max_modes: 60, swirl_length_m: 0.14, bend_error_rad: 0.15 }
     }
 }
 
@@ -45,6 +54,7 @@ pub(crate) struct Set<'a> {
     pub(crate) rate_hz: f64,
     pub(crate) up_axis: UpAxis,
     pub(crate) options: &'a PhysicalOptions,
+    pub(crate) taught: &'a Taught,
 }
 
 /// Explains the motion of all locks by the air round the head.
@@ -55,35 +65,15 @@ pub(crate) fn fit_physical(
     set: &Set<'_>,
     progress: &dyn Progress,
 ) -> Result<Fit, FitError> {
-    let &Set { rate_hz, up_axis, options } = set;
-    let n_steps = n_steps(head.n_frames(), head.rate_hz, rate_hz);
-    let clock = Clock::new(head, n_steps, rate_hz).ok_or(FitError::NoSamples { n_missing: 0 })?;
-    let still = session.still_range(head.first_frame, head.n_frames());
-    let gravity_world = -up_axis.vector() * STANDARD_GRAVITY;
-    let seeing =
-        Seeing { head, origins, session, clock: &clock, still, gravity_world, cutoff_hz: options.cutoff_hz };
-    let locks: Vec<SeenLock> =
-        (0..session.strands.len()).filter_map(|strand_idx| SeenLock::new(strand_idx, &seeing)).collect();
-    if locks.is_empty() {
-        return Err(FitError::NoSamples { n_missing: 0 });
-    }
-    let rest_pose = clock.poses[still.map_or(0, |(first, last)| (first + last) / 2)];
-    let problem = solve::Problem {
-        locks: &locks,
-        clock: &clock,
-        session,
-        head,
-        still,
-        rest_pose,
-        gravity_world,
-        max_modes: options.max_modes,
-    };
+    let seen = Seen::new(head, origins, session, set)?;
+    let problem = seen.problem(head, session, set);
     let solved = solve::solve(&problem, progress);
     let samples = samples(&problem, &solved.air, origins);
     let outside = solved.air.states.iter().map(AirState::outside).collect();
     let n_samples = samples.steps.iter().map(Vec::len).sum();
     let n_markers: usize = session.strands.iter().map(|s| s.markers.len()).sum();
-    let skipped = |idx: &usize| !locks.iter().any(|lock| lock.strand_idx == *idx);
+    let skipped = |idx: &usize| !seen.locks.iter().any(|lock| lock.strand_idx == *idx);
+    let n_steps = problem.clock.n_steps;
     let report = FitReport {
         method: "physical: balance of moments of all locks in one flow".to_owned(),
         n_steps,
@@ -97,7 +87,73 @@ pub(crate) fn fit_physical(
         noise_m: None,
         physical: Some(report::report(&problem, &solved)),
     };
-    Ok(Fit { samples, outside, air: Some(solved.air), report })
+    let wig = Some(wig::wig(&problem));
+    Ok(Fit { samples, outside, air: Some(solved.air), wig, report })
+}
+
+/// What the balance leaves over of a wig that was simulated in a known air: by lock of the session.
+pub(crate) fn defects(
+    simulated: &HeadCapture,
+    session: &Session,
+    set: &Set<'_>,
+    air: &AirFlow,
+) -> Result<Vec<Option<Defects>>, FitError> {
+    let seen = Seen::new(simulated, None, session, set)?;
+    let found = solve::defects(&seen.problem(simulated, session, set), air);
+    let mut defects = vec![None; session.strands.len()];
+    for (lock, of_lock) in seen.locks.iter().zip(found) {
+        defects[lock.strand_idx] = Some(of_lock);
+    }
+    Ok(defects)
+}
+
+/// A capture made ready.
+struct Seen {
+    clock: Clock,
+    still: Option<(usize, usize)>,
+    gravity_world: Vec3,
+    locks: Vec<SeenLock>,
+}
+
+impl Seen {
+    fn new(
+        head: &HeadCapture,
+        origins: Option<&[Vec<Vec<Sample>>]>,
+        session: &Session,
+        set: &Set<'_>,
+    ) -> Result<Self, FitError> {
+        let n_steps = n_steps(head.n_frames(), head.rate_hz, set.rate_hz);
+        let clock = Clock::new(head, n_steps, set.rate_hz).ok_or(FitError::NoSamples { n_missing: 0 })?;
+        let still = session.still_range(head.first_frame, head.n_frames());
+        let gravity_world = -set.up_axis.vector() * STANDARD_GRAVITY;
+        let cutoff_hz = set.options.cutoff_hz;
+        let seeing = Seeing { head, origins, session, clock: &clock, still, gravity_world, cutoff_hz };
+        let locks: Vec<SeenLock> =
+            (0..session.strands.len()).filter_map(|idx| SeenLock::new(idx, &seeing)).collect();
+        if locks.is_empty() {
+            return Err(FitError::NoSamples { n_missing: 0 });
+        }
+        Ok(Self { clock, still, gravity_world, locks })
+    }
+
+    fn problem<'a>(
+        &'a self,
+        head: &'a HeadCapture,
+        session: &'a Session,
+        set: &Set<'a>,
+    ) -> solve::Problem<'a> {
+        solve::Problem {
+            locks: &self.locks,
+            clock: &self.clock,
+            session,
+            head,
+            still: self.still,
+            rest_pose: self.clock.poses[self.still.map_or(0, |(first, last)| (first + last) / 2)],
+            gravity_world: self.gravity_world,
+            options: set.options,
+            taught: set.taught,
+        }
+    }
 }
 
 /// The air at every marker that a camera saw, with its covariance.

@@ -1,12 +1,13 @@
 use crate::{ConversionReport, PrepareOptions, Prepared, Watch, attachments, prepare};
 use tousle_clean::CleanError;
-use tousle_core::STANDARD_GRAVITY;
+use tousle_core::{NoProgress, Progress, STANDARD_GRAVITY};
 use tousle_eff::Eff;
 use tousle_field::{GridError, GridSpec, Scene};
-use tousle_fit::{FitError, FitMethod, FitOptions};
+use tousle_fit::{Fit, FitError, FitMethod, FitOptions, Wig};
 use tousle_head::HeadError;
 use tousle_ingest::{CheckError, IngestError, SessionError};
 use tousle_raster::{RasterError, RasterMethod, RasterOptions};
+use tousle_refine::{Measured, RefineError, RefineOptions};
 
 /// A file's name, for messages, and its bytes.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +25,8 @@ pub struct ConvertOptions {
     pub prepare: PrepareOptions,
     /// How motion becomes wind, and at which rate.
     pub fit: FitOptions,
+    /// Whether and how the wind is mended until the simulated wig moves as the captured one.
+    pub refine: Option<RefineOptions>,
     /// Edge of the grid, m.
     pub extent_m: f64,
     /// Edge of a voxel, m.
@@ -32,7 +35,13 @@ pub struct ConvertOptions {
 
 impl Default for ConvertOptions {
     fn default() -> Self {
-        Self { prepare: PrepareOptions::default(), fit: FitOptions::default(), extent_m: 0.6, edge_m: 0.02 }
+        Self {
+            prepare: PrepareOptions::default(),
+            fit: FitOptions::default(),
+            refine: None,
+            extent_m: 0.6,
+            edge_m: 0.02,
+        }
     }
 }
 
@@ -43,6 +52,8 @@ pub struct Converted {
     pub eff: Eff,
     /// The capture that the field was made from.
     pub prepared: Prepared,
+    /// The captured locks, ready to be simulated; `None` for `paper`.
+    pub wig: Option<Wig>,
     /// What happened.
     pub report: ConversionReport,
 }
@@ -94,6 +105,9 @@ pub enum ConvertError {
     /// The wind at the markers.
     #[error("cannot tell the wind from the markers")]
     Fit(#[from] FitError),
+    /// The closed loop.
+    #[error("cannot refine the wind")]
+    Refine(#[from] RefineError),
     /// The field.
     #[error("cannot fill the grid")]
     Raster(#[from] RasterError),
@@ -129,12 +143,6 @@ pub fn convert(
     let fit = tousle_fit::fit(prepared.head(), prepared.samples(), known, &fit_options, &*stage)?;
     drop(stage);
 
-    let stage = watch.stage("raster");
-    let raster_options = RasterOptions { method: raster_method(&options.fit), grid };
-    let raster =
-        tousle_raster::rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &raster_options, &*stage)?;
-    drop(stage);
-
     let scene = Scene {
         poses: prepared.located.tracked.poses.clone(),
         rest_pose: prepared.located.tracked.rest_pose,
@@ -142,10 +150,36 @@ pub fn convert(
         air_density: known.air_density,
         body: known.body.clone(),
     };
+    let raster_options = RasterOptions { method: raster_method(&options.fit), grid };
+    let lay = |fit: &Fit, progress: &dyn Progress| {
+        tousle_raster::rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &raster_options, progress)
+    };
+    let (fit, refined) = match &options.refine {
+        None => (fit, None),
+        Some(refine) => {
+            let stage = watch.stage("refine");
+            let measured = Measured {
+                head: prepared.head(),
+                origins: prepared.samples(),
+                session: known,
+                options: &fit_options,
+                scene: &scene,
+            };
+            let lay = |fit: &Fit| Ok(lay(fit, &NoProgress)?.sequence);
+            let refined = tousle_refine::refine(fit, &measured, &lay, refine, &*stage)?;
+            (refined.fit, Some(refined.report))
+        }
+    };
+
+    let stage = watch.stage("raster");
+    let raster = lay(&fit, &*stage)?;
+    drop(stage);
+
     let mut report = ConversionReport {
         method: method_name(&options.fit).to_owned(),
         quality: prepared.quality.clone(),
         fit: fit.report,
+        refine: refined,
         raster: raster.report,
         losses: Vec::new(),
     };
@@ -159,7 +193,7 @@ pub fn convert(
         samples: Some(fit.samples),
         attachments: attachments(session, &report)?,
     };
-    Ok(Converted { eff, prepared, report })
+    Ok(Converted { eff, prepared, wig: fit.wig, report })
 }
 
 fn method_name(options: &FitOptions) -> &'static str {

@@ -5,6 +5,7 @@ use tousle_fit::FitReport;
 use tousle_head::HeadReport;
 use tousle_ingest::IngestReport;
 use tousle_raster::RasterReport;
+use tousle_refine::RefineReport;
 
 /// How good a capture is, and everything that was odd, assumed, left out or changed before wind was told from it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -35,6 +36,9 @@ pub struct ConversionReport {
     pub quality: QualityReport,
     /// How motion became wind.
     pub fit: FitReport,
+    /// How the wind was mended by simulating the captured wig; `None` if nobody wanted that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refine: Option<RefineReport>,
     /// How the grid was filled.
     pub raster: RasterReport,
     /// What was asked for and is not in the field, in words; a conversion with any finishes "with loss".

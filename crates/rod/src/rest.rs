@@ -96,6 +96,16 @@ pub struct Likely {
 }
 
 impl Likely {
+    /// Of what a rest curve leaves open: a natural shape without bends is as likely as joints without load. On the
+    /// development captures anything from 0.3 to 0.7 scores alike, and better than 0 or 1.
+    const STRAIGHTNESS: f64 = 0.5;
+
+    /// Hair on a body that rubs, near by the lock's own width: for measuring and for simulating alike.
+    pub fn hair(lock: &Lock, body: &Body) -> Self {
+        let friction = body.friction;
+        Self { friction, straightness: Self::STRAIGHTNESS, ..Self::smooth(lock, Twist::Held) }
+    }
+
     /// A lock whose joints hold as little as can be, on a smooth body, near by its own width.
     pub fn smooth(lock: &Lock, twist: Twist) -> Self {
         Self { twist, touch: Touch::by_width(lock), friction: 0.0, straightness: 0.0 }

@@ -20,6 +20,12 @@ impl MeasureReport {
             "median lock",
             "explained fluctuation",
             "mean mm",
+            "captured wig",
+            "its median lock",
+            "its fluctuation",
+            "held out before, mm",
+            "after, mm",
+            "rounds kept",
             "vector error, hair",
             "median angle, hair",
             "vector error, nearby",
@@ -33,6 +39,7 @@ impl MeasureReport {
         let mut table = Table::new("The wind, measured", &columns);
         for row in &self.rows {
             let points = &row.motion.points;
+            let refined = row.refined.as_ref();
             let within = row.calibration.as_ref().map(Calibration::within_two);
             table.push(vec![
                 Cell::text(&row.capture),
@@ -42,6 +49,15 @@ impl MeasureReport {
                 Cell::maybe(row.motion.locks.as_ref().map(|locks| locks.explained_median), 3),
                 Cell::number(points.explained_fluctuation, 3),
                 Cell::number(points.mean_mm, 1),
+                Cell::maybe(row.wig.as_ref().map(|wig| wig.points.explained_motion), 3),
+                Cell::maybe(
+                    row.wig.as_ref().and_then(|wig| wig.locks.as_ref()).map(|l| l.explained_median),
+                    3,
+                ),
+                Cell::maybe(row.wig.as_ref().map(|wig| wig.points.explained_fluctuation), 3),
+                Cell::maybe(refined.map(|r| r.rounds[0].held_out_m * 1e3), 2),
+                Cell::maybe(refined.map(|r| r.rounds[r.kept].held_out_m * 1e3), 2),
+                Cell::maybe(refined.map(|r| r.kept as f64), 0),
                 Cell::maybe(row.field.hair.map(|s| s.vector_error), 3),
                 Cell::maybe(row.field.hair.map(|s| s.angle_median_deg), 1),
                 Cell::maybe(row.field.nearby.map(|s| s.vector_error), 3),
@@ -52,6 +68,35 @@ impl MeasureReport {
                 Cell::maybe(row.cost.cpu_secs, 1),
                 Cell::number(row.cost.wall_secs, 1),
             ]);
+        }
+        table
+    }
+
+    /// What would be chosen for each capture if only the others had been looked at: the choice with the best mean over them of
+    /// the median lock's explained motion, what it scores on the capture left out, and what the default scores there.
+    pub fn leave_one_out(&self) -> Table {
+        let columns = ["capture left out", "chosen from the others", "median lock", "as it is"];
+        let mut table = Table::new("Leave one out", &columns);
+        let mut captures: Vec<&str> = self.rows.iter().map(|row| row.capture.as_str()).collect();
+        captures.dedup();
+        let choices: Vec<&MeasureRow> = self.rows.iter().filter(|row| row.varied == "choice").collect();
+        let median =
+            |row: &&&MeasureRow| row.motion.locks.as_ref().map_or(0.0, |locks| locks.explained_median);
+        for capture in captures {
+            let here: Vec<&&MeasureRow> = choices.iter().filter(|row| row.capture == capture).collect();
+            let elsewhere = |row: &&&MeasureRow| -> f64 {
+                let others = choices.iter().filter(|o| o.setting == row.setting && o.capture != capture);
+                others.map(|other| median(&other)).sum()
+            };
+            let best = here.iter().copied().reduce(|a, b| if elsewhere(&b) > elsewhere(&a) { b } else { a });
+            if let (Some(best), Some(default)) = (best, here.first()) {
+                table.push(vec![
+                    Cell::text(capture),
+                    Cell::text(&best.setting),
+                    Cell::number(median(&best), 3),
+                    Cell::number(median(default), 3),
+                ]);
+            }
         }
         table
     }

@@ -1,5 +1,6 @@
 use super::Worse;
 use tousle_fit::{FitMethod, PaperOptions, PhysicalOptions};
+use tousle_refine::RefineOptions;
 
 /// How the wind is measured, and on how good a capture.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,6 +11,8 @@ pub struct Setting {
     pub words: String,
     /// The method.
     pub fit: FitMethod,
+    /// Whether and how the closed loop is gone.
+    pub refine: Option<RefineOptions>,
     /// Edge of a voxel, m.
     pub edge_m: f64,
     /// Time steps a second.
@@ -19,11 +22,16 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Both methods as they are by default.
+    /// Both methods as they are by default, `physical` with the closed loop, and on what perfect cameras would have seen.
     pub fn methods() -> Vec<Self> {
         let paper =
             Self { words: "paper".into(), fit: FitMethod::Paper(PaperOptions::default()), ..Self::usual() };
-        vec![paper, Self::usual()]
+        let refined = Self {
+            words: "physical --refine".into(),
+            refine: Some(RefineOptions::default()),
+            ..Self::usual()
+        };
+        vec![paper, Self::usual(), refined, Self::of("dirt", "none".into(), Worse::Clean)]
     }
 
     /// The method `physical`, one thing varied at a time.
@@ -46,12 +54,30 @@ impl Setting {
         settings
     }
 
+    /// The method `physical` as it is, and with each constant that was chosen by looking at captures set lower and higher.
+    pub fn choices() -> Vec<Self> {
+        let with = |words: &str, change: &dyn Fn(&mut PhysicalOptions)| {
+            let mut options = PhysicalOptions::default();
+            change(&mut options);
+            Self { fit: FitMethod::Physical(options), ..Self::of("choice", words.to_owned(), Worse::Not) }
+        };
+        vec![
+            with("as it is", &|_| ()),
+            with("cutoff 7 Hz", &|o| o.cutoff_hz = 7.0),
+            with("cutoff 15 Hz", &|o| o.cutoff_hz = 15.0),
+            with("swirls of 10 cm", &|o| o.swirl_length_m = 0.10),
+            with("swirls of 18 cm", &|o| o.swirl_length_m = 0.18),
+            with("bends off by 0.08", &|o| o.bend_error_rad = 0.08),
+            with("bends off by 0.25", &|o| o.bend_error_rad = 0.25),
+        ]
+    }
+
     fn usual() -> Self {
         Self::of("method", "physical".into(), Worse::Not)
     }
 
     fn of(varied: &'static str, words: String, worse: Worse) -> Self {
         let fit = FitMethod::Physical(PhysicalOptions::default());
-        Self { varied, words, fit, edge_m: 0.02, rate_hz: 30.0, worse }
+        Self { varied, words, fit, refine: None, edge_m: 0.02, rate_hz: 30.0, worse }
     }
 }

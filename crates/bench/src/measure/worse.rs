@@ -1,3 +1,4 @@
+use crate::{TrueMotion, TruthError};
 use tousle_core::{HeadCapture, Track, Vec3};
 
 /// What is done to a capture before it is measured: always the same for the same capture.
@@ -5,6 +6,8 @@ use tousle_core::{HeadCapture, Track, Vec3};
 pub enum Worse {
     /// Nothing.
     Not,
+    /// It is made better: every marker is where it really was in every frame, under its own name.
+    Clean,
     /// Of each lock the second, fourth … marker from the tip inwards was never seen.
     EverySecondMarker,
     /// Only so many locks were seen, evenly from all.
@@ -19,8 +22,22 @@ pub enum Worse {
 const GAP_SECS: f64 = 0.25;
 
 impl Worse {
-    /// A capture made worse.
-    pub fn applied(self, head: &HeadCapture) -> HeadCapture {
+    /// A capture made worse, or as clean as its truth.
+    ///
+    /// # Errors
+    /// Whatever keeps the truth from being read.
+    pub fn applied(
+        self,
+        head: &HeadCapture,
+        truth: impl FnOnce() -> Result<TrueMotion, TruthError>,
+    ) -> Result<HeadCapture, TruthError> {
+        Ok(match self {
+            Self::Clean => cleaned(head, &truth()?),
+            _ => self.worsened(head),
+        })
+    }
+
+    fn worsened(self, head: &HeadCapture) -> HeadCapture {
         let mut worse = head.clone();
         let n_strands = worse.strands.len();
         let gap_frames = (GAP_SECS * head.rate_hz).round().max(1.0) as usize;
@@ -31,7 +48,7 @@ impl Worse {
                 match self {
                     Self::EverySecondMarker if (n_markers - marker_idx).is_multiple_of(2) => hide(track),
                     Self::Locks(n) if is_left_out(strand_idx, n_strands, n) => hide(track),
-                    Self::Not | Self::EverySecondMarker | Self::Locks(_) => {}
+                    Self::Not | Self::Clean | Self::EverySecondMarker | Self::Locks(_) => {}
                     Self::Noise(sd_m) => {
                         *track = track.map(|_, p| Some(p + Vec3::from_fn(|_, _| sd_m * dice.normal())));
                     }
@@ -48,6 +65,19 @@ impl Worse {
         }
         worse
     }
+}
+
+/// The true markers, in the order of the session's; where the truth ends, its last place.
+fn cleaned(head: &HeadCapture, truth: &TrueMotion) -> HeadCapture {
+    let (n_points, last) = (truth.n_points(), truth.times_secs.len().saturating_sub(1));
+    let place = |frame: usize, point: usize| {
+        truth.positions_m.get(frame.min(last) * n_points + point).map(|p| Vec3::from(p.map(f64::from)))
+    };
+    let mut clean = HeadCapture { unlabeled: Vec::new(), ..head.clone() };
+    for (point, track) in clean.strands.iter_mut().flat_map(|s| &mut s.markers).enumerate() {
+        *track = (0..head.n_frames()).map(|frame| place(frame, point)).collect();
+    }
+    clean
 }
 
 fn hide(track: &mut Track) {

@@ -43,8 +43,8 @@ fn sim(args: &BenchSimArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
 }
 
 fn wind(args: &BenchWindArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
-    let mut settings = Setting::methods();
-    if !args.quick {
+    let mut settings = if args.leave_one_out { Setting::choices() } else { Setting::methods() };
+    if !args.quick && !args.leave_one_out {
         settings.extend(Setting::varied());
     }
     let stage = watch.stage("bench");
@@ -52,8 +52,16 @@ fn wind(args: &BenchWindArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     drop(stage);
     let table = report.table();
     print!("{}", table.to_text());
+    if args.leave_one_out {
+        print!("{}", report.leave_one_out().to_text());
+    }
     let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
     make_folder(folder)?;
+    if args.leave_one_out {
+        write_text(folder, "wind-choices.csv", &table.to_csv())?;
+        write_text(folder, "wind-leave-one-out.csv", &report.leave_one_out().to_csv())?;
+        return Ok(Outcome::Fine);
+    }
     write_text(folder, "wind.csv", &table.to_csv())?;
     write_text(folder, "wind-calibration.svg", &report.calibration_plot().standalone_svg())?;
     write_text(folder, "wind.html", &report.to_html(&tousle_bench::when_and_where()))?;

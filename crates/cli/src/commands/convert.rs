@@ -5,6 +5,7 @@ use std::fmt::Write;
 use tousle_clean::CleanOptions;
 use tousle_fit::{FitMethod, FitOptions, PaperOptions, PaperReading, PaperSpan, PhysicalOptions};
 use tousle_pipeline::{ConversionReport, ConvertOptions, Input, PrepareOptions, Watch, read_file};
+use tousle_refine::RefineOptions;
 
 /// `tousle convert`
 pub fn run(args: &ConvertArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
@@ -58,6 +59,7 @@ fn options(args: &ConvertArgs) -> ConvertOptions {
     ConvertOptions {
         prepare,
         fit: FitOptions { method, rate_hz: args.rate_hz, ..FitOptions::default() },
+        refine: args.refine.then(RefineOptions::default),
         extent_m: args.extent_mm * 1e-3,
         edge_m: args.voxel_mm * 1e-3,
     }
@@ -111,6 +113,20 @@ pub fn summary(report: &ConversionReport) -> String {
         for warning in &found.warnings {
             line("warning", warning.clone());
         }
+    }
+    if let Some(refined) = &report.refine {
+        let words = |k: usize| {
+            let round = &refined.rounds[k];
+            format!("{:.1} and {:.1} mm", round.seen_m * 1e3, round.held_out_m * 1e3)
+        };
+        let outcome = match refined.kept {
+            0 => "nothing made those better: the wind is as it was measured".to_owned(),
+            kept => format!("after {kept} rounds {}", words(kept)),
+        };
+        line(
+            "refined",
+            format!("the simulated wig was off by {} (locks used, locks held out); {outcome}", words(0)),
+        );
     }
     let raster = &report.raster;
     let all = (raster.n_measured + raster.n_interpolated + raster.n_outside).max(1) as f64;

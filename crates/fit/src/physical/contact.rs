@@ -39,7 +39,6 @@ pub(crate) fn touching(seen: &SeenLock, at: &LockAt, surfaces: &[Surface], withi
 pub(crate) struct Whitened {
     pub(crate) moments: DVector<f64>,
     pub(crate) by_wind: DMatrix<f64>,
-    pub(crate) by_scales: DMatrix<f64>,
     /// Points at which the body pushes.
     pub(crate) n_pushing: usize,
 }
@@ -59,9 +58,7 @@ pub(crate) fn less_body(
     if n_touches == 0 {
         return white;
     }
-    let normals = DMatrix::from_fn(touching.nrows(), n_touches, |r, c| touching[(r, 3 * c)] * likely_push_n);
-    let gram = normals.tr_mul(&normals) + DMatrix::identity(n_touches, n_touches);
-    let pushes = nonnegative_least_squares(&gram, &-normals.tr_mul(&white.moments)) * likely_push_n;
+    let pushes = pushes(&white.moments, touching, likely_push_n);
     let mut unknown: Vec<DVector<f64>> = Vec::new();
     for (touch, push) in pushes.iter().enumerate().filter(|(_, push)| **push > 0.0) {
         unknown.push(touching.column(3 * touch) * likely_push_n);
@@ -82,11 +79,28 @@ pub(crate) fn less_body(
         Some(Whitened {
             moments: lower.solve_lower_triangular(&white.moments)?,
             by_wind: lower.solve_lower_triangular(&white.by_wind)?,
-            by_scales: lower.solve_lower_triangular(&white.by_scales)?,
             n_pushing,
         })
     });
     anew.unwrap_or(white)
+}
+
+/// The pushes ≥ 0, N, that leave the least of a whitened imbalance, small ones preferred.
+fn pushes(moments: &DVector<f64>, touching: &DMatrix<f64>, likely_push_n: f64) -> DVector<f64> {
+    let n_touches = touching.ncols() / 3;
+    let normals = DMatrix::from_fn(touching.nrows(), n_touches, |r, c| touching[(r, 3 * c)] * likely_push_n);
+    let gram = normals.tr_mul(&normals) + DMatrix::identity(n_touches, n_touches);
+    nonnegative_least_squares(&gram, &-normals.tr_mul(moments)) * likely_push_n
+}
+
+/// A whitened imbalance less those pushes of the body.
+pub(crate) fn less_pushes(
+    moments: &DVector<f64>,
+    touching: &DMatrix<f64>,
+    likely_push_n: f64,
+) -> DVector<f64> {
+    let pushes = pushes(moments, touching, likely_push_n);
+    pushes.iter().enumerate().fold(moments.clone(), |left, (k, push)| left + touching.column(3 * k) * *push)
 }
 
 #[cfg(test)]
@@ -97,7 +111,6 @@ mod tests {
         Whitened {
             moments: DVector::from_row_slice(moments),
             by_wind: DMatrix::identity(moments.len(), moments.len()),
-            by_scales: DMatrix::zeros(moments.len(), 2),
             n_pushing: 0,
         }
     }

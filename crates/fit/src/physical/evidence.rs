@@ -1,7 +1,8 @@
 //! What one lock at one step says of the air.
 
 use super::contact;
-use super::moments::{Balance, DragSlope};
+use super::lock::SeenLock;
+use super::moments::{Balance, DragSlope, Imbalance};
 use super::noise;
 use nalgebra::{DMatrix, DVector};
 use tousle_core::{STANDARD_GRAVITY, Vec3};
@@ -29,7 +30,7 @@ impl Station {
     /// A lock at a step. Places that dip into the body are moved out to where the lock's skin clears it, as in the body
     /// no wind is.
     pub(crate) fn new(balance: &Balance<'_>, surfaces: &[Surface], stream: &Stream) -> Self {
-        let Balance { seen, step, step_secs, rest, .. } = *balance;
+        let Balance { seen, step, .. } = *balance;
         let at = &seen.steps[step];
         let (arcs_m, last) = (&seen.lock.arcs_m, seen.lock.n_sticks() - 1);
         let place = |place_m: &f64| {
@@ -40,7 +41,7 @@ impl Station {
         };
         let points_m: Vec<Vec3> = seen.wind_places_m.iter().map(place).collect();
         let streams = points_m.iter().map(|p| stream.at(*p)).collect();
-        let lower = noise::covariance(seen, at, rest, step_secs).cholesky().map(|factor| factor.l());
+        let lower = noise::covariance(balance).cholesky().map(|factor| factor.l());
         let touching = contact::touching(seen, at, surfaces, seen.lock.width_m + CURVE_ERROR_M);
         let whitened = lower.as_ref().and_then(|lower| lower.solve_lower_triangular(&touching));
         Self { points_m, streams, lower, touching: whitened.unwrap_or(touching) }
@@ -62,8 +63,6 @@ pub(crate) struct Evidence {
     pub(crate) moments: DVector<f64>,
     /// Its change with the state of the air.
     pub(crate) by_state: DMatrix<f64>,
-    /// Its change with the logarithms of stiffness and drag.
-    pub(crate) by_scales: DMatrix<f64>,
     /// How much it counts: 1, or less for an outlier.
     pub(crate) weight: f64,
     /// Points at which the body pushes.
@@ -81,21 +80,12 @@ impl Station {
         slope: DragSlope,
         friction: f64,
     ) -> Option<Evidence> {
-        let seen = balance.seen;
-        let (winds, by_state) = self.winds(modes, state);
-        let at_middles: Vec<Vec3> = (0..seen.lock.n_sticks())
-            .map(|stick| {
-                let shares = seen.wind_share(seen.lock.arcs_m[stick] - 0.5 * seen.lock.lengths_m[stick]);
-                shares.iter().map(|(place, share)| winds[*place] * *share).sum()
-            })
-            .collect();
-        let out = balance.imbalance(&at_middles, slope);
+        let (out, by_state) = self.imbalance(balance, modes, state, slope);
         let lower = self.lower.as_ref()?;
-        let weight_n = seen.lock.masses_kg.iter().sum::<f64>() * STANDARD_GRAVITY;
+        let weight_n = weight_n(balance.seen);
         let white = contact::Whitened {
             moments: lower.solve_lower_triangular(&out.moments)?,
             by_wind: lower.solve_lower_triangular(&out.by_wind)?,
-            by_scales: lower.solve_lower_triangular(&out.by_scales)?,
             n_pushing: 0,
         };
         let white = contact::less_body(white, &self.touching, weight_n, friction);
@@ -104,10 +94,42 @@ impl Station {
         square.is_finite().then(|| Evidence {
             by_state: &white.by_wind * by_state,
             moments: white.moments,
-            by_scales: white.by_scales,
             weight,
             n_pushing: white.n_pushing,
         })
+    }
+
+    /// What the balance leaves over in the air of a state, whatever the body does: its moments, N·m, two a joint across its
+    /// stick.
+    pub(crate) fn left_over(
+        &self,
+        balance: &Balance<'_>,
+        modes: &SwirlModes,
+        state: &AirState,
+    ) -> Option<DVector<f64>> {
+        let (out, _) = self.imbalance(balance, modes, state, DragSlope::Tangent);
+        let lower = self.lower.as_ref()?;
+        let white = lower.solve_lower_triangular(&out.moments)?;
+        Some(lower * contact::less_pushes(&white, &self.touching, weight_n(balance.seen)))
+    }
+
+    /// The imbalance in the air of a state, and the change of the wind at its places with that.
+    fn imbalance(
+        &self,
+        balance: &Balance<'_>,
+        modes: &SwirlModes,
+        state: &AirState,
+        slope: DragSlope,
+    ) -> (Imbalance, DMatrix<f64>) {
+        let seen = balance.seen;
+        let (winds, by_state) = self.winds(modes, state);
+        let at_middles: Vec<Vec3> = (0..seen.lock.n_sticks())
+            .map(|stick| {
+                let shares = seen.wind_share(seen.lock.arcs_m[stick] - 0.5 * seen.lock.lengths_m[stick]);
+                shares.iter().map(|(place, share)| winds[*place] * *share).sum()
+            })
+            .collect();
+        (balance.imbalance(&at_middles, slope), by_state)
     }
 
     /// The wind at the places, and its change with the state: three rows a place.
@@ -124,4 +146,8 @@ impl Station {
         }
         (winds, by_state)
     }
+}
+
+fn weight_n(seen: &SeenLock) -> f64 {
+    seen.lock.masses_kg.iter().sum::<f64>() * STANDARD_GRAVITY
 }

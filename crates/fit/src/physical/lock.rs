@@ -10,10 +10,12 @@ use tousle_rod::{Lock, shortest_rotation, shortest_turn};
 /// A lock seen over time.
 pub(crate) struct SeenLock {
     pub(crate) strand_idx: usize,
-    /// Mechanics, at rest; the markers' masses are shared out among its points.
+    /// What it is as taken for likely, the markers' masses included; a control point at every marker.
+    pub(crate) strand: Strand,
+    /// The control point of each marker that was used, in the session's order.
+    pub(crate) marker_points: Vec<Option<usize>>,
+    /// Its mechanics, at rest.
     pub(crate) lock: Lock,
-    /// Its bending stiffness as taken for likely, N·m².
-    pub(crate) stiffness_n_m2: f64,
     /// Places along the lock, m, at which its wind is asked for: hats between them.
     pub(crate) wind_places_m: Vec<f64>,
     pub(crate) steps: Vec<LockAt>,
@@ -37,11 +39,17 @@ pub(crate) struct LockAt {
     pub(crate) turned: Vec<UnitQuaternion<f64>>,
 }
 
-/// Length of a stick, m: a third of the distance of markers, so that what lies between them is drawn out.
+/// Length of a stick, m, about: a third of the distance of markers, so that what lies between them is drawn out.
 const STICK_M: f64 = 0.018;
+
+/// The shortest stick that is worth its joint, m: what hangs beyond the last marker.
+const LEAST_STICK_M: f64 = 3e-3;
 
 /// Distance of the places at which the wind is asked for, m: some swirls are as small as 10 cm across.
 const WIND_PLACE_M: f64 = 0.045;
+
+/// What a lock may seem to be longer or shorter by, m: curves drawn between markers cut corners.
+const STRETCH_M: f64 = 3e-3;
 
 /// The largest error that is believed, m: a lock is no longer lost than that.
 const LARGEST_ERROR_M: f64 = 0.1;
@@ -71,9 +79,9 @@ impl SeenLock {
         let mut knots_m: Vec<f64> = Vec::new();
         let mut markers: Vec<MarkerMotion> = Vec::new();
         let mut rests: Vec<Vec3> = Vec::new();
+        let mut used: Vec<usize> = Vec::new();
         for (marker_idx, track) in strand.markers.iter().enumerate() {
-            let evenly = (marker_idx + 1) as f64 / strand.markers.len() as f64 * spec.length_m;
-            let place_m = spec.markers[marker_idx].distance_from_root_m.unwrap_or(evenly);
+            let place_m = marker_place_m(spec, marker_idx);
             let samples = seeing.origins.map(|o| &o[strand_idx][marker_idx][..]);
             let is_apart = place_m > knots_m.last().copied().unwrap_or(0.0) + 3e-3;
             let motion = marker_motion(track, samples, seeing.clock, seeing.cutoff_hz);
@@ -81,6 +89,7 @@ impl SeenLock {
             let seen: Vec<Vec3> = (range.0..=range.1).filter_map(|f| track.at(f)).collect();
             if let (true, Some(motion), false) = (is_apart, motion, seen.is_empty()) {
                 knots_m.push(place_m);
+                used.push(marker_idx);
                 markers.push(motion);
                 rests.push(seen.iter().sum::<Vec3>() / seen.len() as f64);
             }
@@ -89,8 +98,8 @@ impl SeenLock {
             return None;
         }
         let length_m = spec.length_m.max(*knots_m.last()?);
-        let n_sticks = ((length_m / STICK_M).round() as usize).clamp(6, 24);
-        let places_m: Vec<f64> = (1..=n_sticks).map(|k| length_m * k as f64 / n_sticks as f64).collect();
+        let (places_m, knot_points) = control_points(&knots_m, length_m);
+        let n_sticks = places_m.len();
         let weights = spline_weights(&knots_m, &places_m);
         let leaves = leaving_direction(spec.root_m, &knots_m, &rests);
         let rest_of = |column: usize| match column {
@@ -101,7 +110,8 @@ impl SeenLock {
         let rest_curve_m: Vec<Vec3> = core::iter::once(spec.root_m)
             .chain((0..n_sticks).map(|row| blend(&weights, row, rest_of)))
             .collect();
-        let lock = lock(spec, rest_curve_m, length_m, &places_m);
+        let strand = likely_strand(spec, rest_curve_m, length_m, &places_m);
+        let lock = Lock::new(&strand);
         let (clock, cutoff_hz) = (seeing.clock, seeing.cutoff_hz);
         let curve = Curve {
             weights,
@@ -114,8 +124,11 @@ impl SeenLock {
             .collect();
         let n_winds = ((length_m / WIND_PLACE_M).round() as usize).max(2);
         let wind_places_m = (0..n_winds).map(|k| length_m * (k as f64 + 0.5) / n_winds as f64).collect();
-        let stiffness_n_m2 = spec.linear_density_kg_per_m * STIFFNESS_PER_DENSITY;
-        Some(Self { strand_idx, lock, stiffness_n_m2, wind_places_m, steps })
+        let mut marker_points = vec![None; spec.markers.len()];
+        for (marker_idx, point) in used.into_iter().zip(knot_points) {
+            marker_points[marker_idx] = Some(point);
+        }
+        Some(Self { strand_idx, strand, marker_points, lock, wind_places_m, steps })
     }
 
     /// The share that each wind place has in the wind at a place along the lock: linear in between, even beyond.
@@ -177,16 +190,28 @@ impl LockAt {
         let directions: Vec<Vec3> =
             points_m.windows(2).map(|p| (p[1] - p[0]).try_normalize(1e-9).unwrap_or_else(Vec3::z)).collect();
         let (bends, turned) = bends(lock, &directions);
+        let stretches_m = stretches_m(lock, &points_m);
         Self {
             velocities: motions.windows(2).map(|m| to_head * (m[0].velocity + m[1].velocity) * 0.5).collect(),
             pulls: motions[1..].iter().map(|m| to_head * (gravity_world - m.acceleration)).collect(),
-            errors_m: (0..n).map(|row| curve.error_m(row, step)).collect(),
+            errors_m: (0..n).map(|row| libm::hypot(curve.error_m(row, step), stretches_m[row])).collect(),
             points_m,
             directions,
             bends,
             turned,
         }
     }
+}
+
+/// How far each stick's end must be from where it was seen, m, since the lock up to there is longer or shorter than it can be:
+/// a marker was taken for another, or filled wrongly.
+fn stretches_m(lock: &Lock, points_m: &[Vec3]) -> Vec<f64> {
+    let lengths_m = points_m.windows(2).map(|p| (p[1] - p[0]).norm());
+    let arcs_m = lengths_m.scan(0.0, |arc, length| {
+        *arc += length;
+        Some(*arc)
+    });
+    arcs_m.zip(&lock.arcs_m).map(|(seen, own)| f64::max((seen - own).abs() - STRETCH_M, 0.0)).collect()
 }
 
 /// How far each joint is bent since rest, and how far the stick before it has turned, when no stick turns about itself.
@@ -220,29 +245,53 @@ fn leaving_direction(root_m: Vec3, knots_m: &[f64], rests: &[Vec3]) -> Vec3 {
     (-at_zero / change).try_normalize(1e-9).unwrap_or_else(Vec3::z)
 }
 
-fn lock(spec: &StrandSpec, rest_curve_m: Vec<Vec3>, length_m: f64, places_m: &[f64]) -> Lock {
-    let strand = Strand {
+/// Where a marker sits along its lock, m from the root: as measured, or as if they were spread evenly.
+fn marker_place_m(spec: &StrandSpec, marker_idx: usize) -> f64 {
+    let evenly = (marker_idx + 1) as f64 / spec.markers.len() as f64 * spec.length_m;
+    spec.markers[marker_idx].distance_from_root_m.unwrap_or(evenly)
+}
+
+/// Distances of a lock's control points but the root from the root, m: some [`STICK_M`] apart, one at every knot; and which
+/// of all control points, the root included, the knots are.
+fn control_points(knots_m: &[f64], length_m: f64) -> (Vec<f64>, Vec<usize>) {
+    let (mut places_m, mut knot_points) = (Vec::new(), Vec::new());
+    let mut before_m = 0.0;
+    let last_m = knots_m.last().copied().unwrap_or(0.0);
+    let tip = (length_m > last_m + LEAST_STICK_M).then_some(length_m);
+    for end_m in knots_m.iter().copied().chain(tip) {
+        let n = ((end_m - before_m) / STICK_M).round().max(1.0);
+        places_m.extend((1..=n as usize).map(|k| before_m + (end_m - before_m) * k as f64 / n));
+        knot_points.push(places_m.len());
+        before_m = end_m;
+    }
+    knot_points.truncate(knots_m.len());
+    (places_m, knot_points)
+}
+
+/// A lock as its session has it, of hairs of usual stiffness, hanging as it did at rest, with the weight of its markers.
+fn likely_strand(spec: &StrandSpec, rest_curve_m: Vec<Vec3>, length_m: f64, places_m: &[f64]) -> Strand {
+    let own = spec.linear_density_kg_per_m;
+    // A point's density is that of the half sticks about it.
+    let n = places_m.len();
+    let place = |point: usize| if point == 0 { 0.0 } else { places_m[point - 1] };
+    let mut linear_density = vec![1.0; n + 1];
+    for (marker_idx, marker) in spec.markers.iter().enumerate() {
+        let place_m = marker_place_m(spec, marker_idx);
+        let nearest =
+            (1..=n).min_by(|a, b| f64::total_cmp(&(place(*a) - place_m).abs(), &(place(*b) - place_m).abs()));
+        let Some(point) = nearest else { continue };
+        let about_m = 0.5 * (place((point + 1).min(n)) - place(point - 1));
+        linear_density[point] += marker.mass_kg / (own * about_m);
+    }
+    Strand {
         name: spec.name.clone(),
         rest_curve_m,
         length_m,
-        linear_density_kg_per_m: spec.linear_density_kg_per_m,
+        linear_density_kg_per_m: own,
         lock_width_m: spec.lock_width_m,
-        bending_stiffness_n_m2: spec.linear_density_kg_per_m * STIFFNESS_PER_DENSITY,
+        bending_stiffness_n_m2: own * STIFFNESS_PER_DENSITY,
         internal_damping_secs: DAMPING_SECS,
-        along: Along::default(),
+        along: Along { linear_density, ..Along::default() },
         holds_style: false,
-    };
-    let mut lock = Lock::new(&strand);
-    for (marker_idx, marker) in spec.markers.iter().enumerate() {
-        let evenly = (marker_idx + 1) as f64 / spec.markers.len() as f64 * spec.length_m;
-        let place_m = marker.distance_from_root_m.unwrap_or(evenly).clamp(0.0, length_m);
-        let after = places_m.iter().take_while(|p| **p < place_m).count().min(places_m.len() - 1);
-        let before_m = if after == 0 { 0.0 } else { places_m[after - 1] };
-        let share = (place_m - before_m) / (places_m[after] - before_m);
-        lock.masses_kg[after] += share * marker.mass_kg;
-        if after > 0 {
-            lock.masses_kg[after - 1] += (1.0 - share) * marker.mass_kg;
-        }
     }
-    lock
 }

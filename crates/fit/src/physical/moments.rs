@@ -1,7 +1,8 @@
 //! The balance of moments at a lock's joints, and how it changes with the wind along the lock.
 
 use super::lock::{LockAt, SeenLock};
-use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2};
+use super::taught::{DefectAt, Scales};
+use nalgebra::{DMatrix, DVector, Matrix3};
 use tousle_core::Vec3;
 use tousle_rod::{DragLaw, Rest};
 
@@ -11,60 +12,6 @@ pub(crate) struct Imbalance {
     pub(crate) moments: DVector<f64>,
     /// Its change with the wind at the lock's wind places, three columns each, N·m per m/s.
     pub(crate) by_wind: DMatrix<f64>,
-    /// Its change with the logarithms of stiffness and drag, a column each, N·m.
-    pub(crate) by_scales: DMatrix<f64>,
-}
-
-/// The mechanics that a capture alone does not tell, as factors on what is taken for likely.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Scales {
-    pub(crate) stiffness: f64,
-    pub(crate) drag: f64,
-}
-
-/// How far the logarithms of the scales may be from 0: stiffness from that of as many hairs as weigh so much, and the drag
-/// of a lock whose width and weight were measured to a few per cent. Nothing beyond three times that is believed.
-const SPREAD: Vector2<f64> = Vector2::new(0.5, 0.07);
-
-/// The longest step of the logarithms.
-const LONGEST_STEP: Vector2<f64> = Vector2::new(0.5, 0.2);
-
-impl Default for Scales {
-    fn default() -> Self {
-        Self { stiffness: 1.0, drag: 1.0 }
-    }
-}
-
-/// What moments say of the logarithms of [`Scales`]: least squares to be added up.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct ScalesSaid {
-    information: Matrix2<f64>,
-    pull: Vector2<f64>,
-}
-
-impl ScalesSaid {
-    pub(crate) fn new(by_scales: &DMatrix<f64>, moments: &DVector<f64>, weight: f64) -> Self {
-        let gram = by_scales.tr_mul(by_scales) * weight;
-        let pull = by_scales.tr_mul(moments) * weight;
-        Self { information: Matrix2::from_fn(|r, c| gram[(r, c)]), pull: Vector2::new(pull[0], pull[1]) }
-    }
-}
-
-impl Scales {
-    /// A Gauss-Newton step by what all steps say, no longer than [`LONGEST_STEP`].
-    pub(crate) fn update<'a>(&mut self, said: impl Iterator<Item = &'a ScalesSaid>) {
-        let sure = Matrix2::from_diagonal(&SPREAD.map(|spread| 1.0 / (spread * spread)));
-        let logs = Vector2::new(libm::log(self.stiffness), libm::log(self.drag));
-        let (mut information, mut pull) = (sure, sure * logs);
-        for one in said {
-            information += one.information;
-            pull += one.pull;
-        }
-        let Some(inverse) = information.try_inverse() else { return };
-        let step = (inverse * pull).sup(&-LONGEST_STEP).inf(&LONGEST_STEP);
-        let logs = (logs - step).sup(&(SPREAD * -3.0)).inf(&(SPREAD * 3.0));
-        *self = Self { stiffness: libm::exp(logs[0]), drag: libm::exp(logs[1]) };
-    }
 }
 
 /// How drag follows the wind.
@@ -96,6 +43,10 @@ pub(crate) struct Balance<'a> {
     pub(crate) rest: Option<&'a Rest>,
     pub(crate) law: &'a DragLaw,
     pub(crate) scales: Scales,
+    /// Error of a joint's bend, rad.
+    pub(crate) bend_error_rad: f64,
+    /// What the balance is known to leave over.
+    pub(crate) defect: Option<&'a DefectAt>,
 }
 
 impl Balance<'_> {
@@ -104,7 +55,7 @@ impl Balance<'_> {
     /// For each joint the moments about it of everything further out add up to nothing: weight less inertia, drag, and what
     /// the joint itself holds. There is no tension in it, and no derivative along the lock but the joint's own bend.
     pub(crate) fn imbalance(&self, winds: &[Vec3], slope: DragSlope) -> Imbalance {
-        let &Self { seen, step, step_secs, rest, law, scales } = self;
+        let &Self { seen, step, step_secs, rest, law, scales, defect, .. } = self;
         let (lock, at) = (&seen.lock, &seen.steps[step]);
         let n = lock.n_sticks();
         let across = across(&at.directions);
@@ -115,8 +66,6 @@ impl Balance<'_> {
         let mut moment_by_wind = vec![Matrix3::zeros(); n_places];
         let mut pull_by_wind = vec![Matrix3::zeros(); n_places];
         let (mut moment, mut pull) = (Vec3::zeros(), Vec3::zeros());
-        let (mut drag_moment, mut drag_pull) = (Vec3::zeros(), Vec3::zeros());
-        let mut by_scales = DMatrix::zeros(2 * n, 2);
         for j in (0..n).rev() {
             let lever = at.directions[j] * lock.lengths_m[j];
             pull += at.pulls[j] * lock.masses_kg[j];
@@ -129,8 +78,6 @@ impl Balance<'_> {
             let (drag, change) = (drag * scales.drag, change * scales.drag);
             moment += (lever * 0.5).cross(&drag);
             pull += drag;
-            drag_moment += lever.cross(&drag_pull) + (lever * 0.5).cross(&drag);
-            drag_pull += drag;
             let middle_m = lock.arcs_m[j] - 0.5 * lock.lengths_m[j];
             for (place, share) in seen.wind_share(middle_m) {
                 moment_by_wind[place] += crossing * change * (0.5 * share);
@@ -138,11 +85,10 @@ impl Balance<'_> {
             }
             let bending = bending(seen, step, j, step_secs) * scales.stiffness;
             let at_rest = rest.map_or_else(Vec3::zeros, |rest| at.turned[j] * rest.torques[j]);
-            let total = moment + at_rest + bending;
+            let defect = defect.map_or_else(Vec3::zeros, |defect| defect.at(j, at.directions[j]));
+            let total = moment + at_rest + bending - defect;
             for (row, axis) in across[j].iter().enumerate() {
                 moments[2 * j + row] = axis.dot(&total);
-                by_scales[(2 * j + row, 0)] = axis.dot(&bending);
-                by_scales[(2 * j + row, 1)] = axis.dot(&drag_moment);
                 for (place, m) in moment_by_wind.iter().enumerate() {
                     let change = m.tr_mul(axis);
                     for c in 0..3 {
@@ -151,7 +97,7 @@ impl Balance<'_> {
                 }
             }
         }
-        Imbalance { moments, by_wind, by_scales }
+        Imbalance { moments, by_wind }
     }
 }
 

@@ -1,10 +1,8 @@
 //! How far a lock's moments may be off, and how they go together.
 
-use super::lock::{LockAt, SeenLock};
-use super::moments::across;
+use super::moments::{Balance, across};
 use nalgebra::DMatrix;
 use tousle_core::{STANDARD_GRAVITY, Vec3};
-use tousle_rod::Rest;
 
 /// Error of the force on a piece of lock as a share of its weight: of its mass, its drag, its inertia.
 ///
@@ -20,11 +18,7 @@ const FILL_RATE: f64 = 15.0;
 /// Error of a joint's stiffness as a share of it.
 const STIFFNESS_SHARE: f64 = 0.3;
 
-/// Error of a joint's bend, rad: what a spline between markers cannot see (curls of a few millimeters), and twist. If it rises,
-/// less is told by the outer ends of locks, whose weight is small beside their stiffness.
-const BEND_ERROR: f64 = 0.15;
-
-/// The same for a lock whose shape without weight nobody knows.
+/// Error of a joint's bend, rad, of a lock whose shape without weight nobody knows.
 const BEND_UNKNOWN: f64 = 0.4;
 
 /// Error of what a joint held at rest, as a share of it.
@@ -36,8 +30,9 @@ const ERROR_LASTS_SECS: f64 = 0.1;
 /// The covariance of a lock's imbalance at a step, (N·m)².
 ///
 /// Moments of nested joints err together: a force that is off is off in all of them.
-pub(crate) fn covariance(seen: &SeenLock, at: &LockAt, rest: Option<&Rest>, step_secs: f64) -> DMatrix<f64> {
-    let lock = &seen.lock;
+pub(crate) fn covariance(balance: &Balance<'_>) -> DMatrix<f64> {
+    let Balance { seen, step, step_secs, rest, bend_error_rad, .. } = *balance;
+    let (lock, at) = (&seen.lock, &seen.steps[step]);
     let n = lock.n_sticks();
     let spread = |k: usize| {
         let of_weight = FORCE_SHARE * STANDARD_GRAVITY;
@@ -77,7 +72,7 @@ pub(crate) fn covariance(seen: &SeenLock, at: &LockAt, rest: Option<&Rest>, step
     for j in 0..n {
         let stiffness = lock.joint_stiffness[j];
         let bend = match rest {
-            Some(_) => STIFFNESS_SHARE * at.bends[j].norm() + BEND_ERROR,
+            Some(_) => STIFFNESS_SHARE * at.bends[j].norm() + bend_error_rad,
             None => BEND_UNKNOWN,
         };
         let held = rest.map_or(0.0, |rest| REST_SHARE * rest.torques[j].norm());

@@ -7,10 +7,6 @@ use nalgebra::{DVector, Matrix3};
 use tousle_core::Vec3;
 use tousle_flow::N_STREAM;
 
-/// Half the way over which a swirl turns round, m: swirls near a head are some 10 to 20 cm across. The stream carries them
-/// past (Taylor's hypothesis), so that at one place they last as long as the stream takes for this way.
-pub(crate) const SWIRL_LENGTH_M: f64 = 0.14;
-
 /// Strength of swirls over the stream's: what a wind between walls carries, and what a simple wake and layer leave out.
 pub(crate) const SWIRL_SHARE: f64 = 0.25;
 
@@ -64,13 +60,14 @@ pub(crate) fn is_still(problem: &Problem<'_>, step: usize) -> bool {
     problem.still.is_some_and(|(first, last)| (first..=last).contains(&frame))
 }
 
-/// The state's prior: swirls about nothing, wake and layer about what is usual, the wind far away from step to step.
+/// The state's prior: swirls about nothing, wake and layer about what is usual, the wind far away from step to step. The stream
+/// carries swirls past (Taylor's hypothesis), so that at one place they last as long as the stream takes for half their length.
 pub(crate) fn wander(problem: &Problem<'_>, fan_wind: &[Vec3], n_modes: usize) -> Wander {
     let n = n_modes + N_STREAM;
     let dt = 1.0 / problem.clock.rate_hz;
     let keep = |lasts_secs: f64| libm::exp(-dt / lasts_secs);
     let strongest = strongest_mps(fan_wind);
-    let mut keeps = DVector::from_element(n, keep(SWIRL_LENGTH_M / strongest));
+    let mut keeps = DVector::from_element(n, keep(problem.options.swirl_length_m / strongest));
     let mut mean = DVector::zeros(n);
     let mut sd = DVector::from_element(n, 1.0);
     for (i, [value, spread, lasts]) in [WAKE, LOG_LAYER].iter().enumerate() {

@@ -45,8 +45,8 @@ pub(crate) fn report(problem: &Problem<'_>, solved: &Solved) -> PhysicalReport {
     };
     let found = |(lock, seen): (usize, &SeenLock)| LockFound {
         name: problem.session.strands[seen.strand_idx].name.clone(),
-        stiffness_n_m2: seen.stiffness_n_m2 * solved.scales[lock].stiffness,
-        drag_scale: solved.scales[lock].drag,
+        stiffness_n_m2: seen.strand.bending_stiffness_n_m2 * problem.scales(lock).stiffness,
+        drag_scale: problem.scales(lock).drag,
         touches: solved.touches[lock],
     };
     PhysicalReport {

@@ -1,17 +1,19 @@
 //! All locks, all times and the air together: Gauss and Newton's method.
 
+use super::PhysicalOptions;
 use super::evidence::{Evidence, Station};
 use super::lock::SeenLock;
-use super::moments::{Balance, DragSlope, Scales, ScalesSaid};
-use super::prior::{SWIRL_LENGTH_M, SWIRL_SHARE, fan_wind, known_outside, swirl_mps, wander};
+use super::moments::{Balance, DragSlope};
+use super::prior::{SWIRL_SHARE, fan_wind, known_outside, swirl_mps, wander};
 use super::smoother::{Said, Wander, most_likely};
+use super::taught::{DefectAt, Defects, Scales, Taught};
 use super::tracks::Clock;
 use nalgebra::{DMatrix, DVector, Matrix3};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use tousle_core::{HeadCapture, Pose, Progress, Session, Vec3};
 use tousle_flow::{AirFlow, AirState, N_STREAM, Stream, SwirlKernel, SwirlModes};
-use tousle_rod::{DragLaw, Likely, Rest, Surface, Touch, Twist, rest_state};
+use tousle_rod::{DragLaw, Likely, Rest, Surface, Touch, rest_state};
 
 /// What is to be explained.
 pub(crate) struct Problem<'a> {
@@ -23,15 +25,24 @@ pub(crate) struct Problem<'a> {
     pub(crate) still: Option<(usize, usize)>,
     pub(crate) rest_pose: Pose,
     pub(crate) gravity_world: Vec3,
-    /// The most swirl modes.
-    pub(crate) max_modes: usize,
+    pub(crate) options: &'a PhysicalOptions,
+    pub(crate) taught: &'a Taught,
+}
+
+impl Problem<'_> {
+    /// What a lock is made of.
+    pub(crate) fn scales(&self, lock: usize) -> Scales {
+        self.taught.scales.get(self.locks[lock].strand_idx).copied().unwrap_or_default()
+    }
+
+    fn defect(&self, lock: usize, step: usize) -> Option<&DefectAt> {
+        self.taught.defects.get(self.locks[lock].strand_idx)?.as_ref()?.at(step)
+    }
 }
 
 /// The air that explains it, and what was found of the locks.
 pub(crate) struct Solved {
     pub(crate) air: AirFlow,
-    /// By lock.
-    pub(crate) scales: Vec<Scales>,
     /// By lock: the share of steps at which the body bears it.
     pub(crate) touches: Vec<f64>,
     /// Mean square of what is left of the moments, each over its expected error.
@@ -54,28 +65,23 @@ const GUESS_MPS: f64 = 1.5;
 pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
     let Problem { locks, clock, session, .. } = problem;
     let stream = Stream::round(&session.body);
-    let kernel = SwirlKernel { length_m: SWIRL_LENGTH_M };
-    let modes = SwirlModes::near(&mode_points(locks, &stream), kernel, problem.max_modes, MODE_REACH_M);
+    let kernel = SwirlKernel { length_m: problem.options.swirl_length_m };
+    let modes =
+        SwirlModes::near(&mode_points(locks, &stream), kernel, problem.options.max_modes, MODE_REACH_M);
     let surroundings = Surroundings::new(problem, &stream);
     let fan_wind = fan_wind(problem);
     let wander = wander(problem, &fan_wind, modes.n_modes());
     let outside = known_outside(problem, &fan_wind);
     let mut air = AirFlow { stream, states: first_guess(&wander, &fan_wind, modes.n_modes()), modes };
-    let mut scales = vec![Scales::default(); locks.len()];
     let mut said = Vec::new();
     let mut swirl_share = SWIRL_SHARE;
     for round in 0..ROUNDS {
         let slope = if round == 0 { DragSlope::Secant(GUESS_MPS) } else { DragSlope::Tangent };
         said = (0..clock.n_steps)
             .into_par_iter()
-            .map(|step| ask(problem, &surroundings, &air, &scales, step, slope))
+            .map(|step| ask(problem, &surroundings, &air, step, slope))
             .collect();
         let is_last = round + 1 == ROUNDS;
-        if round > 0 && !is_last {
-            for (lock, scales) in scales.iter_mut().enumerate() {
-                scales.update(said.iter().map(|s| &s.of_locks[lock].scales));
-            }
-        }
         for (said, (precision, fan)) in said.iter_mut().zip(outside.iter().zip(&fan_wind)) {
             said.of_air.add_outside(precision, *fan);
         }
@@ -97,10 +103,25 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
         |lock: usize| said.iter().filter(|s| s.of_locks[lock].touches).count() as f64 / said.len() as f64;
     Solved {
         air,
-        scales,
         touches: (0..locks.len()).map(touches).collect(),
         left_over: left / (n_rows * clock.n_steps) as f64,
     }
+}
+
+/// What the balance leaves over of locks that move in a known air, by lock.
+pub(crate) fn defects(problem: &Problem<'_>, air: &AirFlow) -> Vec<Defects> {
+    let around = Surroundings::new(problem, &air.stream);
+    let n_steps = problem.clock.n_steps.min(air.states.len());
+    let of_lock = |lock: usize| {
+        let at = |step: usize| {
+            let balance = around.balance(problem, lock, step);
+            let left = around.stations[step][lock].left_over(&balance, &air.modes, &air.states[step]);
+            let seen = &problem.locks[lock];
+            DefectAt::new(seen, step, &left.unwrap_or_else(|| DVector::zeros(2 * seen.lock.n_sticks())))
+        };
+        Defects::new((0..n_steps).map(at).collect())
+    };
+    (0..problem.locks.len()).into_par_iter().map(of_lock).collect()
 }
 
 /// All that stays the same from round to round.
@@ -120,7 +141,7 @@ impl Surroundings {
         let by_rest = Touch::by_rest(&rods, &session.body);
         let rest = |seen: &SeenLock| {
             let touch = by_rest.unwrap_or_else(|| Touch::by_width(&seen.lock));
-            let likely = Likely { touch, ..Likely::smooth(&seen.lock, Twist::Held) };
+            let likely = Likely { touch, ..Likely::hair(&seen.lock, &session.body) };
             problem.still.map(|_| rest_state(&seen.lock, gravity, &session.body, &likely))
         };
         let mut around = Self {
@@ -131,29 +152,23 @@ impl Surroundings {
         let of_step = |step: usize| {
             let torso = session.body.head_from_torso(clock.pose(step), rest_pose);
             let surfaces = Surface::of_body(&session.body, &torso);
-            let station = |lock: usize| {
-                Station::new(&around.balance(problem, lock, step, Scales::default()), &surfaces, stream)
-            };
+            let station = |lock: usize| Station::new(&around.balance(problem, lock, step), &surfaces, stream);
             (0..locks.len()).map(station).collect()
         };
         around.stations = (0..clock.n_steps).into_par_iter().map(of_step).collect();
         around
     }
 
-    fn balance<'a>(
-        &'a self,
-        problem: &'a Problem<'_>,
-        lock: usize,
-        step: usize,
-        scales: Scales,
-    ) -> Balance<'a> {
+    fn balance<'a>(&'a self, problem: &'a Problem<'_>, lock: usize, step: usize) -> Balance<'a> {
         Balance {
             seen: &problem.locks[lock],
             step,
             step_secs: 1.0 / problem.clock.rate_hz,
             rest: self.rests[lock].as_ref(),
             law: &self.law,
-            scales,
+            scales: problem.scales(lock),
+            bend_error_rad: problem.options.bend_error_rad,
+            defect: problem.defect(lock, step),
         }
     }
 }
@@ -180,14 +195,12 @@ impl Said {
 struct LockSaid {
     square: f64,
     touches: bool,
-    scales: ScalesSaid,
 }
 
 fn ask(
     problem: &Problem<'_>,
     around: &Surroundings,
     air: &AirFlow,
-    scales: &[Scales],
     step: usize,
     slope: DragSlope,
 ) -> StepSaid {
@@ -196,17 +209,13 @@ fn ask(
     let mut of_air = Said { information: DMatrix::zeros(n, n), vector: DVector::zeros(n) };
     let friction = problem.session.body.friction;
     let mut of_lock = |lock: usize| {
-        let balance = around.balance(problem, lock, step, scales[lock]);
+        let balance = around.balance(problem, lock, step);
         let station = &around.stations[step][lock];
         let Some(evidence) = station.evidence(&balance, &air.modes, state, slope, friction) else {
             return LockSaid::default();
         };
         add(&evidence, &state.values, &mut of_air);
-        LockSaid {
-            square: evidence.moments.norm_squared(),
-            touches: evidence.n_pushing > 0,
-            scales: ScalesSaid::new(&evidence.by_scales, &evidence.moments, evidence.weight),
-        }
+        LockSaid { square: evidence.moments.norm_squared(), touches: evidence.n_pushing > 0 }
     };
     let of_locks = (0..problem.locks.len()).map(&mut of_lock).collect();
     StepSaid { of_air, of_locks }

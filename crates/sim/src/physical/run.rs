@@ -17,7 +17,7 @@ use tousle_core::{
     Assumption, Attachment, Groom, NoProgress, Pose, Progress, Quantity, Strand, StrandMotion,
 };
 use tousle_field::{FieldLayer, FieldSequence, Sampler, Scene};
-use tousle_rod::{DragLaw, Likely, Lock, Support, Surface, Touch, Twist, hold_rest, rest_state};
+use tousle_rod::{DragLaw, Likely, Lock, Support, Surface, Touch, hold_rest, rest_state};
 
 /// A run that is prepared: all that layers on the field do not change.
 #[derive(Debug)]
@@ -291,10 +291,6 @@ fn solids(scene: &Scene) -> Vec<Surface> {
     of_head.map(|c| Surface::new(&c.shape)).collect()
 }
 
-/// Of what a rest curve leaves open: a natural shape without bends is as likely as joints without load. On the
-/// development captures anything from 0.3 to 0.7 scores alike, and better than 0 or 1.
-const STRAIGHTNESS: f64 = 0.5;
-
 fn prepare(
     scene: &Scene,
     timeline: &Timeline<'_>,
@@ -305,12 +301,8 @@ fn prepare(
     let gravity = timeline.gravity_at_rest();
     let surfaces = Surface::of_body(&scene.body, &Pose::identity());
     let prepare = |(mut lock, strand): (Lock, &Strand)| {
-        let likely = Likely {
-            twist: Twist::Held,
-            touch: touch.unwrap_or_else(|| Touch::by_width(&lock)),
-            friction: scene.body.friction,
-            straightness: STRAIGHTNESS,
-        };
+        let likely = Likely::hair(&lock, &scene.body);
+        let likely = Likely { touch: touch.unwrap_or(likely.touch), ..likely };
         let rest = rest_state(&lock, gravity, &scene.body, &likely);
         let stiffened = if strand.holds_style {
             let support = Support { surfaces: &surfaces, stiffness: contact_stiffness(&lock) };

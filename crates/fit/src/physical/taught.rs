@@ -1,0 +1,82 @@
+use super::lock::SeenLock;
+use super::moments::across;
+use nalgebra::DVector;
+use tousle_core::Vec3;
+use tousle_rod::shortest_rotation;
+
+/// What simulating the captured wig taught, to measure anew with: `tousle-refine` makes it. By lock of the session, empty
+/// where nobody was taught anything.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Taught {
+    /// What each lock is made of.
+    pub scales: Vec<Scales>,
+    /// What the balance of moments leaves over of each.
+    pub defects: Vec<Option<Defects>>,
+}
+
+/// A lock's mechanics as factors on what is taken for likely: the stiffness of as many hairs as weigh so much, and the drag of
+/// its measured width.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scales {
+    /// Of the bending stiffness.
+    pub stiffness: f64,
+    /// Of the drag.
+    pub drag: f64,
+}
+
+impl Default for Scales {
+    fn default() -> Self {
+        Self { stiffness: 1.0, drag: 1.0 }
+    }
+}
+
+/// What the balance of moments leaves over of a lock that moves as the simulator says, in the wind that it moves in: what
+/// smoothing, splines between markers and a lock that does not twist are off by. By time step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Defects(Vec<DefectAt>);
+
+/// The same at a step.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct DefectAt {
+    /// The sticks, head axes.
+    directions: Vec<Vec3>,
+    /// The moment about each joint across its stick, N·m, head axes.
+    moments: Vec<Vec3>,
+}
+
+impl Defects {
+    pub(crate) fn new(steps: Vec<DefectAt>) -> Self {
+        Self(steps)
+    }
+
+    pub(crate) fn at(&self, step: usize) -> Option<&DefectAt> {
+        self.0.get(step)
+    }
+
+    /// Keeps of each step's a share, 0 to 1: so much as the simulated lock stands for the seen one.
+    pub fn fade(&mut self, share: impl Fn(usize) -> f64) {
+        for (step, at) in self.0.iter_mut().enumerate() {
+            let share = share(step);
+            at.moments.iter_mut().for_each(|moment| *moment *= share);
+        }
+    }
+}
+
+impl DefectAt {
+    /// From two numbers a joint across its stick.
+    pub(crate) fn new(seen: &SeenLock, step: usize, moments: &DVector<f64>) -> Self {
+        let directions = &seen.steps[step].directions;
+        let moment =
+            |(j, [first, second]): (usize, &[Vec3; 2])| first * moments[2 * j] + second * moments[2 * j + 1];
+        let moments = across(directions).iter().enumerate().map(moment).collect();
+        Self { directions: directions.clone(), moments }
+    }
+
+    /// About a joint whose stick points along `direction`, N·m: turned along with the stick.
+    pub(crate) fn at(&self, joint: usize, direction: Vec3) -> Vec3 {
+        match (self.directions.get(joint), self.moments.get(joint)) {
+            (Some(own), Some(moment)) => shortest_rotation(*own, direction) * moment,
+            _ => Vec3::zeros(),
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! The closed loop: a measured wind is mended until the wig, simulated in it, moves as it was seen to move.
+//!
+//! [`refine`] simulates the captured wig in the wind that `fit` found. Where the simulated markers differ from the seen ones,
+//! three things can be at fault. What the locks are made of: it is learnt from how the simulated markers answer to it
+//! ([`learn`]). What the balance of moments leaves over of a motion that is known to be in balance: smoothing, splines and
+//! contacts, which is taken off the balance of the seen motion ([`tousle_fit::defects`]), as in the defect correction of
+//! differential equations (H. J. Stetter, "The defect correction principle", *Numerische Mathematik* 29, 1978). And the wind,
+//! which is then measured anew. Locks that are held out say when to stop.
+
+mod compare;
+mod learn;
+mod report;
+mod rounds;
+mod wig;
+
+pub use report::{RefineReport, Round};
+
+use compare::Compared;
+use rounds::{Loop, Turn};
+use std::error::Error;
+use tousle_core::{HeadCapture, Progress, Sample, Session};
+use tousle_field::{FieldSequence, Scene};
+use tousle_fit::{Fit, FitError, FitOptions};
+use tousle_sim::SimError;
+
+/// How a measured wind is refined.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RefineOptions {
+    /// The most rounds.
+    pub rounds: usize,
+    /// Every so many locks one is held out.
+    pub held_out: usize,
+}
+
+impl Default for RefineOptions {
+    fn default() -> Self {
+        Self { rounds: 2, held_out: 5 }
+    }
+}
+
+/// What a wind was measured from.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<'a> {
+    /// The capture, as the fit was given it.
+    pub head: &'a HeadCapture,
+    /// Where each sample of it comes from, as the fit was given it.
+    pub origins: Option<&'a [Vec<Vec<Sample>>]>,
+    /// What the people in the room knew.
+    pub session: &'a Session,
+    /// How it was measured.
+    pub options: &'a FitOptions,
+    /// What the wig can touch, and how the head moves.
+    pub scene: &'a Scene,
+}
+
+/// A refined wind, and what happened on the way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refined {
+    /// The wind; as it was before if nothing made it better.
+    pub fit: Fit,
+    /// What happened.
+    pub report: RefineReport,
+}
+
+/// What lays a wind on a grid.
+pub type Lay<'a> = dyn Fn(&Fit) -> Result<FieldSequence, Box<dyn Error + Send + Sync>> + 'a;
+
+/// Why a wind cannot be refined.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RefineError {
+    /// The method knows nothing of what the wig is made of.
+    #[error(
+        "found a wind of the method paper, expected one of the method physical: only that knows the wig's locks"
+    )]
+    NoWig,
+    /// Too few locks to hold one out.
+    #[error("found {found} locks, expected at least {expected} so that some can be held out")]
+    TooFewLocks {
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        expected: usize,
+    },
+    /// Measuring anew.
+    #[error("cannot measure the wind anew")]
+    Fit(#[from] FitError),
+    /// The grid.
+    #[error("cannot fill the grid")]
+    Lay(#[source] Box<dyn Error + Send + Sync>),
+    /// The wig.
+    #[error("cannot simulate the captured wig")]
+    Sim(#[from] SimError),
+}
+
+/// Mends a measured wind until the wig, simulated in it, moves no more like the seen one.
+///
+/// In: what was measured, from what, and how it is laid on a grid. First some locks are held out: the others alone are gone
+/// round with, and after each round the ones held out are simulated and compared with how they were seen. Then as many rounds
+/// as served those best are gone with all locks; none, if none did. The result does not depend on the number of threads.
+///
+/// # Errors
+/// [`RefineError`] if the wind is not of the method `physical`, there are too few locks, or a stage fails.
+pub fn refine(
+    first: Fit,
+    measured: &Measured<'_>,
+    lay: &Lay<'_>,
+    options: &RefineOptions,
+    progress: &dyn Progress,
+) -> Result<Refined, RefineError> {
+    let wig = first.wig.clone().ok_or(RefineError::NoWig)?;
+    let n_locks = wig.strand_idxs.len();
+    if n_locks < 2 * options.held_out {
+        return Err(RefineError::TooFewLocks { found: n_locks, expected: 2 * options.held_out });
+    }
+    let held_out = wig::every(&wig, options.held_out);
+    let total = (2 * options.rounds + 1) as u64;
+    let around = Loop { measured, wig: &wig, lay };
+    let mut rounds: Vec<Round> = Vec::new();
+    let mut turn = Turn::first(&around, &held_out)?;
+    let mut compared = around.compare(&turn)?;
+    rounds.push(compared.round(&held_out));
+    for round in 0..options.rounds {
+        progress.at(round as u64 + 1, total);
+        turn = around.again(&turn, &compared, &held_out)?;
+        compared = around.compare(&turn)?;
+        rounds.push(compared.round(&held_out));
+    }
+    let kept = report::best(&rounds);
+    let mut turn = Turn::known(first);
+    for round in 0..kept {
+        progress.at((options.rounds + round) as u64 + 1, total);
+        let compared: Compared = around.compare(&turn)?;
+        turn = around.again(&turn, &compared, &[])?;
+    }
+    progress.at(total, total);
+    let name = |idx: &usize| measured.session.strands[*idx].name.clone();
+    let report = RefineReport { held_out: held_out.iter().map(name).collect(), rounds, kept };
+    Ok(Refined { fit: turn.fit, report })
+}

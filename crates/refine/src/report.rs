@@ -1,0 +1,51 @@
+use serde::Serialize;
+
+/// What happened when a wind was refined.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RefineReport {
+    /// The locks that were held out to say when to stop.
+    pub held_out: Vec<String>,
+    /// Before the first round, and after each, with some locks held out.
+    pub rounds: Vec<Round>,
+    /// Rounds that were gone with all locks: 0 means that the wind is as it was measured.
+    pub kept: usize,
+}
+
+/// How far the simulated markers are from the seen ones: the root mean square over a lock's markers and frames, geometric mean
+/// over locks, m. So a lock that falls to the other side of a shoulder counts as one lock.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Round {
+    /// Of the locks that the wind was measured from.
+    pub seen_m: f64,
+    /// Of those that were held out.
+    pub held_out_m: f64,
+}
+
+/// What a round must make better to be worth going, as a share: less may be chance, as locks that are held out are few.
+const WORTH: f64 = 0.01;
+
+/// After how many rounds those held out are nearest; 0 unless it is worth it.
+pub(crate) fn best(rounds: &[Round]) -> usize {
+    let mut best = 0;
+    for (k, round) in rounds.iter().enumerate() {
+        if round.held_out_m < rounds[best].held_out_m * (1.0 - WORTH) {
+            best = k;
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_stops_where_those_held_out_are_nearest() {
+        let rounds = |held_out: &[f64]| -> Vec<Round> {
+            held_out.iter().map(|m| Round { seen_m: 0.0, held_out_m: *m }).collect()
+        };
+        assert_eq!(best(&rounds(&[10.0, 8.0, 9.0])), 1);
+        assert_eq!(best(&rounds(&[10.0, 9.95, 11.0])), 0);
+        assert_eq!(best(&rounds(&[10.0, 9.0, 8.0])), 2);
+    }
+}

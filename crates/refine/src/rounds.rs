@@ -1,0 +1,116 @@
+//! One round: simulate, compare, learn, measure anew.
+
+use crate::compare::{Compared, compare};
+use crate::learn::learn;
+use crate::wig::{capture, simulated, with_scales};
+use crate::{Lay, Measured, RefineError};
+use tousle_core::{HeadCapture, NoProgress, Track};
+use tousle_field::FieldSequence;
+use tousle_fit::{Fit, Scales, Taught, Wig};
+
+/// What stays the same from round to round.
+pub(crate) struct Loop<'a> {
+    pub(crate) measured: &'a Measured<'a>,
+    /// All locks, as taken for likely.
+    pub(crate) wig: &'a Wig,
+    pub(crate) lay: &'a Lay<'a>,
+}
+
+/// A wind, and what it was measured with.
+pub(crate) struct Turn {
+    pub(crate) fit: Fit,
+    taught: Taught,
+}
+
+impl Turn {
+    /// A wind measured without any lesson.
+    pub(crate) fn known(fit: Fit) -> Self {
+        Self { fit, taught: Taught::default() }
+    }
+
+    /// The same measured without some locks.
+    pub(crate) fn first(around: &Loop<'_>, held_out: &[usize]) -> Result<Self, RefineError> {
+        Ok(Self::known(around.fit(&Taught::default(), held_out)?))
+    }
+}
+
+impl Loop<'_> {
+    /// The wig in a turn's wind beside the seen one.
+    pub(crate) fn compare(&self, turn: &Turn) -> Result<Compared, RefineError> {
+        let field = self.lay(&turn.fit)?;
+        let groom = with_scales(self.wig, &turn.taught.scales);
+        let markers = simulated(self.wig, &groom, &field, self.measured)?;
+        Ok(compare(self.measured, markers, field))
+    }
+
+    /// Learns from a comparison and measures anew, without the locks that are held out.
+    pub(crate) fn again(
+        &self,
+        turn: &Turn,
+        compared: &Compared,
+        held_out: &[usize],
+    ) -> Result<Turn, RefineError> {
+        let Measured { head, session, options, .. } = *self.measured;
+        let scales = self.learnt(turn, compared, held_out)?;
+        let taught = match &turn.fit.air {
+            Some(air) => {
+                let simulated = capture(head, &compared.markers);
+                let mut defects =
+                    tousle_fit::defects(&simulated, session, options, &turn.taught.scales, air)?;
+                for (strand_idx, defects) in defects.iter_mut().enumerate() {
+                    let near = |step: usize| compared.nearness(strand_idx, step, options.rate_hz);
+                    if let Some(defects) = defects {
+                        defects.fade(near);
+                    }
+                }
+                Taught { scales, defects }
+            }
+            None => Taught { scales, defects: Vec::new() },
+        };
+        Ok(Turn { fit: self.fit(&taught, held_out)?, taught })
+    }
+
+    fn learnt(
+        &self,
+        turn: &Turn,
+        compared: &Compared,
+        held_out: &[usize],
+    ) -> Result<Vec<Scales>, RefineError> {
+        let mut now = turn.taught.scales.clone();
+        now.resize(self.measured.session.strands.len(), Scales::default());
+        let answer = |change: &dyn Fn(&Scales) -> Scales| -> Result<_, RefineError> {
+            let changed: Vec<Scales> = now.iter().map(change).collect();
+            let groom = with_scales(self.wig, &changed);
+            simulated(self.wig, &groom, &compared.field, self.measured)
+        };
+        let stiffer =
+            answer(&|s| Scales { stiffness: s.stiffness * libm::exp(crate::learn::TRIED[0]), ..*s })?;
+        let wider = answer(&|s| Scales { drag: s.drag * libm::exp(crate::learn::TRIED[1]), ..*s })?;
+        Ok(learn(self.measured, &now, compared, [&stiffer, &wider], held_out))
+    }
+
+    fn lay(&self, fit: &Fit) -> Result<FieldSequence, RefineError> {
+        (self.lay)(fit).map_err(RefineError::Lay)
+    }
+
+    fn fit(&self, taught: &Taught, held_out: &[usize]) -> Result<Fit, RefineError> {
+        let Measured { head, origins, session, options, .. } = *self.measured;
+        let hidden;
+        let head = if held_out.is_empty() {
+            head
+        } else {
+            hidden = without(head, held_out);
+            &hidden
+        };
+        Ok(tousle_fit::fit_taught(head, origins, session, options, taught, &NoProgress)?)
+    }
+}
+
+/// A capture in which some locks were never seen.
+fn without(head: &HeadCapture, held_out: &[usize]) -> HeadCapture {
+    let mut hidden = head.clone();
+    for strand in hidden.strands.iter_mut().filter(|s| held_out.contains(&s.strand_idx)) {
+        strand.markers.iter_mut().for_each(|track| *track = Track::missing(track.n_frames()));
+    }
+    hidden
+}
