@@ -4,6 +4,7 @@
 //! [`sim_in_true_wind`] and [`sim::run`] judge the simulator alone, [`paper::run`] the whole 2008 method. [`WorkPrecision`] shows
 //! what accuracy costs, [`mod@file`] what a file does, [`Table`] everything else.
 
+pub mod direct;
 pub mod extremes;
 pub mod file;
 pub mod paper;

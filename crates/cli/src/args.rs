@@ -435,6 +435,12 @@ pub struct EditArgs {
     /// The field file to write: the same field with layers added.
     #[arg(short, long, value_name = "FIELD.eff.mcap")]
     pub output: PathBuf,
+    /// Which equations turn a drag into layers [default: physical for fields of wind, paper for fields of forces].
+    #[arg(long, value_parser = parse_edit_method, value_name = "physical|paper")]
+    pub method: Option<tousle_direct::EditMethod>,
+    /// Method physical: a key is met if its point is no farther from it than this, mm.
+    #[arg(long, value_parser = parse_above_zero, default_value = "1", value_name = "MM")]
+    pub tolerance_mm: f64,
     /// Print the report as JSON.
     #[arg(long)]
     pub json: bool,
@@ -511,6 +517,8 @@ pub enum BenchCommand {
     Sim(BenchSimArgs),
     /// The wind that both methods measure on captures with their truth, with other voxels, rates, markers, noise, gaps.
     Wind(BenchWindArgs),
+    /// Drags drawn at random on captures, by E4 and solved for: how near the keys, how smooth, who else moves.
+    Direct(BenchDirectArgs),
     /// Fields in files: size and speed of each way to pack them, beside .npz and .vdb.
     File(BenchFileArgs),
 }
@@ -552,6 +560,26 @@ pub struct BenchWindArgs {
     pub output: Option<PathBuf>,
 }
 
+/// `tousle bench direct`
+#[derive(Debug, Args)]
+pub struct BenchDirectArgs {
+    /// A folder of captures, each with its session, its other hairstyle and its truth.
+    #[arg(long, value_name = "DIR")]
+    pub captures: PathBuf,
+    /// Only this capture; may be given several times [default: three of them].
+    #[arg(long = "capture", value_name = "NAME")]
+    pub names: Vec<String>,
+    /// Drags a capture.
+    #[arg(long, default_value_t = 20, value_name = "N")]
+    pub drags: usize,
+    /// Where the dice begin.
+    #[arg(long, default_value_t = 7, value_name = "N")]
+    pub seed: u64,
+    /// The folder for the tables (CSV) [default: print only].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
 /// `tousle bench file`
 #[derive(Debug, Args)]
 pub struct BenchFileArgs {
@@ -572,6 +600,15 @@ pub struct BenchArgs {
     /// The folder for tables (CSV, HTML) [default: print only].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+}
+
+fn parse_edit_method(name: &str) -> Result<tousle_direct::EditMethod, String> {
+    tousle_direct::EditMethod::from_name(name).ok_or_else(|| "expected physical or paper".to_owned())
+}
+
+fn parse_above_zero(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "expected a number above 0".to_owned())
 }
 
 fn parse_unit(name: &str) -> Result<tousle_core::LengthUnit, String> {

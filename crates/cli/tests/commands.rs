@@ -26,7 +26,7 @@ fn the_whole_road() {
 
     let edit = room.run("edit f.eff.mcap --groom bob.json --edits lift.toml -o e.eff.mcap --json").ended(0);
     let edit: serde_json::Value = serde_json::from_str(&edit.out).unwrap();
-    let residual = &edit["effects"]["edits"][0]["residual_mm"];
+    let residual = &edit["effects"]["edits"][0]["keys"][0]["residual_mm"];
     let (before, after) = (residual["before"].as_f64().unwrap(), residual["after"].as_f64().unwrap());
     assert!(after < before, "the strand moves towards its target: {before} mm, then {after} mm");
     let edited = room.run("inspect e.eff.mcap").ended(0);

@@ -2,7 +2,7 @@
 
 use crate::resolve::Resolved;
 use tousle_core::{Strand, Vec3};
-use tousle_field::{Ease, FieldSequence, Scene};
+use tousle_field::{Ease, FieldLayer, FieldSequence, Scene};
 use tousle_rod::DragLaw;
 
 /// Instants of the span over which the extra wind is averaged. If it rises, a gust within the span is seen better.
@@ -16,6 +16,7 @@ const N_INSTANTS: usize = 16;
 /// instants' answers are averaged, each as much as the layer is there.
 pub(crate) fn extra_winds(
     field: &FieldSequence,
+    layers: &[FieldLayer],
     scene: &Scene,
     resolved: &Resolved<'_>,
     ease: Ease,
@@ -31,7 +32,7 @@ pub(crate) fn extra_winds(
         let time_secs = resolved.first_secs + span_secs * share;
         let weight = ease.presence(share);
         let head = scene.poses.motion_at(time_secs);
-        let wind = field.at(time_secs);
+        let wind = field.at(time_secs).with_layers(layers);
         let points = resolved.path.points_at(time_secs);
         let velocities = resolved.path.velocities_at(time_secs);
         for (j, acceleration) in accelerations.iter().enumerate() {

@@ -5,10 +5,16 @@ use crate::chain::{drag, reach_m};
 use crate::e4::{Pull, Way, handles, n_instants, of_edit, progress};
 use crate::path::check_motion;
 use crate::resolve::{Resolved, resolve};
-use crate::{Action, Edit, EditError, EditList, EditOptions, EditOutcome, EditReport, Target, Unreachable};
+use crate::{
+    Action, Edit, EditError, EditList, EditOptions, EditOutcome, EditReport, Target, Unreachable,
+    change_stack, wind_layer,
+};
 use tousle_core::{Groom, Quantity, StrandMotion, Vec3};
 use tousle_field::{FieldLayer, FieldSequence, LayerOrigin, Scene};
 use tousle_rod::Surface;
+
+/// The method's name in layers and reports.
+pub const METHOD: &str = "paper";
 
 /// A field with the layers of some edits on top of those it had.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,8 +36,8 @@ pub struct Layers {
 
 /// Puts edits on a field as layers.
 ///
-/// In: the field and its scene, a groom, and the motion that this groom has in this field. Out: the same field
-/// with one layer an edit on top of its stack; simulate again to see what became of it. Before an edit's first
+/// In: the field and its scene, a groom, and the motion that this groom has in this field. Out: the same field,
+/// its stack changed as the list says, with one layer a wind and a drag on top; simulate again to see what became of it. Before an edit's first
 /// key and after its second the field is unchanged to the bit. Edits of one list are all made from the given
 /// motion and know nothing of each other. To correct an edit once more, as the paper does until the animator is
 /// content, give the field and the motion with it: the new layer adds what is still missing.
@@ -49,12 +55,14 @@ pub fn apply(
     options: &EditOptions,
 ) -> Result<Edited, EditError> {
     field.check()?;
+    field.layers = change_stack(&field.layers, &edits.changes)?;
     let Layers { layers, report } = make_layers(&field, scene, groom, motion, edits, options)?;
     field.layers.extend(layers);
     Ok(Edited { sequence: field, report })
 }
 
-/// The layers that [`apply`] would add, alone: for an editor that holds the field already.
+/// The layers that [`apply`] would add, alone, the list's changes of the stack left out: for an editor that holds the
+/// field already.
 ///
 /// Takes the field for one that passes [`FieldSequence::check`]: to look at every voxel for every drag would cost
 /// more than all the rest.
@@ -72,16 +80,45 @@ pub fn make_layers(
     edits: &EditList,
     options: &EditOptions,
 ) -> Result<Layers, EditError> {
+    make_layers_on(field, &field.layers, scene, groom, motion, edits, options)
+}
+
+/// [`make_layers`] on top of other layers than the field's own.
+///
+/// # Errors
+/// As [`make_layers`].
+///
+/// # Panics
+/// As [`make_layers`].
+pub fn make_layers_on(
+    field: &FieldSequence,
+    layers: &[FieldLayer],
+    scene: &Scene,
+    groom: &Groom,
+    motion: &StrandMotion,
+    edits: &EditList,
+    options: &EditOptions,
+) -> Result<Layers, EditError> {
     edits.check()?;
     check_motion(motion, groom)?;
-    let mut taken: Vec<String> = field.layers.iter().map(|layer| layer.id.clone()).collect();
+    let mut taken: Vec<String> = layers.iter().map(|layer| layer.edit_id().to_owned()).collect();
     let mut made = Layers::default();
+    let mut id_of = |name: &str| {
+        taken.push(free_id(name, &taken));
+        taken[taken.len() - 1].clone()
+    };
+    for (k, edit) in edits.winds.iter().enumerate() {
+        made.layers.push(wind_layer(edits, k + 1, id_of(&edit.name))?);
+    }
     for (k, edit) in edits.edits.iter().enumerate() {
         let Action::Drag(asked) = &edit.action;
+        if !asked.also.is_empty() {
+            let problem = format!("found {} keys, expected one: E4 knows no more", asked.also.len() + 1);
+            return Err(of_edit(k + 1, &edit.name)(problem));
+        }
         let resolved = resolve(edits, k + 1, asked, groom, motion)?;
-        let id = free_id(&edit.name, &taken);
-        taken.push(id.clone());
-        let (layer, outcome) = drag_layer(field, scene, &resolved, edit, id, options)?;
+        let (layer, outcome) =
+            drag_layer((field, layers), scene, &resolved, edit, id_of(&edit.name), options)?;
         made.layers.push(layer);
         made.report.edits.push(outcome);
     }
@@ -89,7 +126,7 @@ pub fn make_layers(
 }
 
 fn drag_layer(
-    field: &FieldSequence,
+    (field, layers): (&FieldSequence, &[FieldLayer]),
     scene: &Scene,
     resolved: &Resolved<'_>,
     edit: &Edit,
@@ -118,7 +155,7 @@ fn drag_layer(
         .collect();
     let (extras, along_lock) = match field.quantity {
         Quantity::ForcePerMass => (accelerations.clone(), 0.0),
-        Quantity::AirVelocity => extra_winds(field, scene, resolved, edit.ease, &accelerations),
+        Quantity::AirVelocity => extra_winds(field, layers, scene, resolved, edit.ease, &accelerations),
     };
     let ways = ways(resolved, edit, &moved.points_m, &extras);
     let handles = handles(&ways, dragged, resolved.drag.reach_m).map_err(&bad)?;
@@ -133,7 +170,7 @@ fn drag_layer(
         unedited_m: unedited_m[dragged],
         target_m,
         asked_mm: (target_m - unedited_m[dragged]).norm() * 1e3,
-        unreachable: unreachable(scene, unedited_m, dragged, target_m, second_secs),
+        unreachable: out_of_reach(scene, unedited_m, dragged, target_m, second_secs),
         acceleration: accelerations[dragged],
         along_lock,
         extra: extras[dragged],
@@ -147,11 +184,12 @@ fn drag_layer(
         last_secs: second_secs,
         ease: edit.ease,
         handles,
+        reshape: None,
         origin: LayerOrigin::Drag {
             strand: resolved.strand.name.clone(),
             control_point: dragged,
             target_m,
-            method: options.method.name().to_owned(),
+            method: METHOD.to_owned(),
         },
     };
     Ok((layer, outcome))
@@ -202,8 +240,10 @@ fn lengths_along(points_m: &[Vec3]) -> impl Iterator<Item = f64> + '_ {
     }))
 }
 
-/// Why a target cannot be reached at the second key, if it cannot.
-fn unreachable(
+/// Why a strand's control point cannot be at a target at a time, if the lock's length or the body is in the way.
+///
+/// `points_m`: the strand's control points, head space, for the lengths between them.
+pub fn out_of_reach(
     scene: &Scene,
     points_m: &[Vec3],
     dragged: usize,
@@ -231,7 +271,7 @@ fn unreachable(
 }
 
 /// An id made of a name, unlike those that are taken: `lift-the-fringe`, then `lift-the-fringe-2`.
-fn free_id(name: &str, taken: &[String]) -> String {
+pub fn free_id(name: &str, taken: &[String]) -> String {
     let words = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
     let slug = words.map(str::to_lowercase).collect::<Vec<_>>().join("-");
     let slug = if slug.is_empty() { "edit".to_owned() } else { slug };
@@ -275,7 +315,7 @@ mod tests {
             (Vec3::new(0.0, 0.08, 0.0), Some("40.0 mm inside the neck")),
             (Vec3::new(0.06, 0.0, 0.0), None),
         ] {
-            let found = unreachable(&scene, &points, 2, target, 0.0).map(|why| why.to_string());
+            let found = out_of_reach(&scene, &points, 2, target, 0.0).map(|why| why.to_string());
             assert_eq!(found.as_deref(), expected);
         }
     }

@@ -5,11 +5,11 @@ use tousle_core::Vec3;
 
 /// A lock's shape with one control point dragged as near to its target as the lock lets it.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Dragged {
+pub struct Dragged {
     /// All control points, m, root first; the root has not moved and no segment has stretched.
-    pub(crate) points_m: Vec<Vec3>,
+    pub points_m: Vec<Vec3>,
     /// Where the dragged point was to go: the target, or the place nearest to it that the lock reaches.
-    pub(crate) aimed_m: Vec3,
+    pub aimed_m: Vec3,
 }
 
 /// Passes over the chain before it counts as solved as well as it can be.
@@ -28,7 +28,7 @@ const TOLERANCE_M: f64 = 1e-7;
 /// (Aristidou and Lasenby 2011): from the dragged point back to the root each point is drawn along the line to
 /// its neighbor, then forth again, until both ends hold. Beyond the dragged point the lock hangs on as it was,
 /// carried along.
-pub(crate) fn drag(points_m: &[Vec3], dragged: usize, target_m: Vec3) -> Dragged {
+pub fn drag(points_m: &[Vec3], dragged: usize, target_m: Vec3) -> Dragged {
     let lengths: Vec<f64> = points_m.windows(2).take(dragged).map(|p| (p[1] - p[0]).norm()).collect();
     let root = points_m[0];
     let (nearest, farthest) = reach_m(&lengths);

@@ -57,11 +57,12 @@ pub(crate) fn progress(ease: Ease, n: usize) -> Vec<f64> {
 }
 
 /// A control point's way from the first key to the second, and what is added along it.
-pub(crate) struct Way {
+#[derive(Clone, Debug)]
+pub struct Way {
     /// Its places at even times, m, first key first.
-    pub(crate) places_m: Vec<Vec3>,
+    pub places_m: Vec<Vec3>,
     /// What is added there, in the field's quantity.
-    pub(crate) extra: Vec3,
+    pub extra: Vec3,
 }
 
 /// The most handles a layer may have: sampling a layer costs by handle.
@@ -75,7 +76,10 @@ const SPACING: f64 = 0.4;
 ///
 /// Between two control points what is added is linear. At each handle's center the layer adds what the way asks
 /// there, although handles overlap and are averaged.
-pub(crate) fn handles(ways: &[Way], dragged: usize, reach_m: f64) -> Result<Vec<Handle>, String> {
+///
+/// # Errors
+/// What was found and expected, if the reach is too small for the ways.
+pub fn handles(ways: &[Way], dragged: usize, reach_m: f64) -> Result<Vec<Handle>, String> {
     let spacing_m = SPACING * reach_m;
     let mut kept: Vec<Handle> = Vec::new();
     let mut order: Vec<usize> = (0..ways.len()).collect();
@@ -222,6 +226,7 @@ mod tests {
             last_secs: 1.0,
             ease,
             handles: Vec::new(),
+            reshape: None,
             origin: LayerOrigin::Drag {
                 strand: "A".into(),
                 control_point: 1,

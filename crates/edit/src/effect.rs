@@ -4,12 +4,12 @@ use crate::EditError;
 use crate::path::{StrandPath, check_motion, single};
 use serde::Serialize;
 use tousle_core::{Groom, StrandMotion, Vec3};
-use tousle_field::{FieldLayer, LayerOrigin};
+use tousle_field::{FieldLayer, LayerKey};
 
 /// What some layers did to the motion of a groom.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EditEffects {
-    /// One entry a layer, in stack order.
+    /// One entry an edit, in stack order.
     pub edits: Vec<EditEffect>,
     /// The first frame in which any point differs, s; `None` if the two motions are the same to the bit.
     pub first_change_secs: Option<f64>,
@@ -19,20 +19,40 @@ pub struct EditEffects {
     pub most_moved_far: Option<Moved>,
 }
 
-/// What one layer did to the strand it was made on.
+/// What the layers of one edit did to the strands it was made on, as far as this groom has them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EditEffect {
-    /// The layer's id.
-    pub layer_id: String,
+    /// The edit's id.
+    pub edit_id: String,
     /// Its name.
     pub name: String,
-    /// Distance of the dragged point from its target at the second key, mm, without and with the edits; `None`
-    /// if this groom has no such strand.
-    pub residual_mm: Option<Change>,
-    /// The largest acceleration of any of the strand's points in head space, m/s².
-    pub peak_acceleration: Option<Change>,
-    /// The largest jerk, m/s³.
-    pub peak_jerk: Option<Change>,
+    /// How near it brought what it drags.
+    pub keys: Vec<KeyEffect>,
+    /// What it did to the strands it drags, each once.
+    pub strands: Vec<StrandEffect>,
+}
+
+/// How near an edit brought a control point to where it should be.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct KeyEffect {
+    /// What should be where, and when.
+    #[serde(flatten)]
+    pub key: LayerKey,
+    /// The distance from there, mm.
+    pub residual_mm: Change,
+}
+
+/// What an edit did to a strand that it drags: the largest of all its points and frames, in head space.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StrandEffect {
+    /// The strand's name.
+    pub strand: String,
+    /// Acceleration, m/s².
+    pub peak_acceleration: Change,
+    /// Jerk, m/s³.
+    pub peak_jerk: Change,
+    /// Energy of the whole strand's motion, J.
+    pub peak_energy: Change,
 }
 
 /// A figure before the edits and after.
@@ -55,12 +75,12 @@ pub struct Moved {
     pub secs: f64,
 }
 
-/// How far a dragged point is from its target at the second key.
+/// How far an edit's points are from where they should be.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Residual {
-    /// The layer's id.
-    pub layer_id: String,
-    /// The distance, mm; `None` if this groom has no such strand.
+    /// The edit's id.
+    pub edit_id: String,
+    /// The largest distance at any of its keys, mm; `None` if this groom has none of its strands.
     pub mm: Option<f64>,
 }
 
@@ -91,14 +111,14 @@ pub fn measure(
         clear.map(|s| moved(before, after, groom, s)).max_by(|a, b| a.mm.total_cmp(&b.mm))
     };
     Ok(EditEffects {
-        edits: layers.iter().map(|layer| effect(before, after, groom, layer)).collect(),
+        edits: by_edit(layers).into_iter().map(|layer| effect(before, after, groom, layer)).collect(),
         first_change_secs: first_change_secs(before, after),
         most_moved_outside: most_moved(0.0),
         most_moved_far: most_moved(FAR_M),
     })
 }
 
-/// How far from their targets a motion has the points that the layers drag.
+/// How far from their targets a motion has the points that some layers' edits drag.
 ///
 /// # Errors
 /// [`EditError::OtherGroom`] if the motion is not of this groom.
@@ -108,45 +128,99 @@ pub fn residuals(
     layers: &[FieldLayer],
 ) -> Result<Vec<Residual>, EditError> {
     check_motion(motion, groom)?;
-    let residual = |layer: &FieldLayer| Residual {
-        layer_id: layer.id.clone(),
-        mm: strand_of(groom, layer).map(|strand| residual_mm(motion, layer, strand)),
+    let residual = |layer: &FieldLayer| {
+        let keys = layer.keys();
+        let found = keys.iter().filter_map(|key| Some(residual_mm(motion, strand_of(groom, key)?, key)));
+        Residual { edit_id: layer.edit_id().to_owned(), mm: found.reduce(f64::max) }
     };
-    Ok(layers.iter().map(residual).collect())
+    Ok(by_edit(layers).into_iter().map(residual).collect())
+}
+
+/// The first layer of each edit.
+fn by_edit(layers: &[FieldLayer]) -> Vec<&FieldLayer> {
+    let mut first: Vec<&FieldLayer> = Vec::new();
+    for layer in layers {
+        if first.iter().all(|other| other.edit_id() != layer.edit_id()) {
+            first.push(layer);
+        }
+    }
+    first
 }
 
 fn effect(before: &StrandMotion, after: &StrandMotion, groom: &Groom, layer: &FieldLayer) -> EditEffect {
-    let strand = strand_of(groom, layer);
-    let of_both = |figure: &dyn Fn(&StrandMotion, usize) -> Option<f64>| {
-        Some(Change { before: figure(before, strand?)?, after: figure(after, strand?)? })
-    };
+    let found = layer.keys().into_iter().filter_map(|key| Some((strand_of(groom, &key)?, key)));
+    let found: Vec<(usize, LayerKey)> = found.collect();
+    let mut strands: Vec<usize> = found.iter().map(|(strand, _)| *strand).collect();
+    strands.sort_unstable();
+    strands.dedup();
+    let both =
+        |figure: &dyn Fn(&StrandMotion) -> f64| Change { before: figure(before), after: figure(after) };
     EditEffect {
-        layer_id: layer.id.clone(),
+        edit_id: layer.edit_id().to_owned(),
         name: layer.name.clone(),
-        residual_mm: of_both(&|motion, strand| Some(residual_mm(motion, layer, strand))),
-        peak_acceleration: of_both(&|motion, strand| peak(motion, strand, [1.0, -2.0, 1.0, 0.0], 2)),
-        peak_jerk: of_both(&|motion, strand| peak(motion, strand, [-1.0, 3.0, -3.0, 1.0], 3)),
+        strands: strands
+            .into_iter()
+            .map(|strand| StrandEffect {
+                strand: groom.strands[strand].name.clone(),
+                peak_acceleration: both(&|motion| peak_acceleration(motion, strand)),
+                peak_jerk: both(&|motion| peak_jerk(motion, strand)),
+                peak_energy: both(&|motion| peak_energy(motion, groom, strand)),
+            })
+            .collect(),
+        keys: found
+            .into_iter()
+            .map(|(strand, key)| KeyEffect {
+                residual_mm: both(&|motion| residual_mm(motion, strand, &key)),
+                key,
+            })
+            .collect(),
     }
 }
 
-fn strand_of(groom: &Groom, layer: &FieldLayer) -> Option<usize> {
-    let LayerOrigin::Drag { strand: name, control_point, .. } = &layer.origin;
-    let found = groom.strands.iter().position(|strand| strand.name == *name)?;
-    (*control_point < groom.strands[found].rest_curve_m.len()).then_some(found)
+fn strand_of(groom: &Groom, key: &LayerKey) -> Option<usize> {
+    let found = groom.strands.iter().position(|strand| strand.name == key.strand)?;
+    (key.control_point < groom.strands[found].rest_curve_m.len()).then_some(found)
 }
 
-fn residual_mm(motion: &StrandMotion, layer: &FieldLayer, strand: usize) -> f64 {
-    let LayerOrigin::Drag { control_point, target_m, .. } = &layer.origin;
-    let points = StrandPath::new(motion, strand).points_at(layer.last_secs);
-    (points[*control_point] - target_m).norm() * 1e3
+fn residual_mm(motion: &StrandMotion, strand: usize, key: &LayerKey) -> f64 {
+    let points = StrandPath::new(motion, strand).points_at(key.secs);
+    (points[key.control_point] - key.target_m).norm() * 1e3
+}
+
+/// The largest acceleration of any point of a strand in any frame, head space, m/s²; 0 of too few frames.
+pub fn peak_acceleration(motion: &StrandMotion, strand: usize) -> f64 {
+    peak(motion, strand, [1.0, -2.0, 1.0, 0.0], 2)
+}
+
+/// The largest jerk of any point of a strand in any frame, head space, m/s³; 0 of too few frames.
+pub fn peak_jerk(motion: &StrandMotion, strand: usize) -> f64 {
+    peak(motion, strand, [-1.0, 3.0, -3.0, 1.0], 3)
+}
+
+/// The largest energy of a strand's motion in any frame, J: half the mass of each stick sits at either end.
+fn peak_energy(motion: &StrandMotion, groom: &Groom, strand: usize) -> f64 {
+    let curve = &groom.strands[strand].rest_curve_m;
+    let mut masses_kg = vec![0.0; curve.len()];
+    for (k, pair) in curve.windows(2).enumerate() {
+        let half = 0.5 * groom.strands[strand].linear_density_kg_per_m * (pair[1] - pair[0]).norm();
+        masses_kg[k] += half;
+        masses_kg[k + 1] += half;
+    }
+    let energy = |frame: usize| -> f64 {
+        let dt_secs = motion.times_secs[frame + 1] - motion.times_secs[frame];
+        let points = motion.strand(frame, strand).iter().zip(motion.strand(frame + 1, strand));
+        let speeds2 = points.map(|(a, b)| (single(b) - single(a)).norm_squared() / (dt_secs * dt_secs));
+        speeds2.zip(&masses_kg).map(|(speed2, mass_kg)| 0.5 * mass_kg * speed2).sum()
+    };
+    (0..motion.times_secs.len().saturating_sub(1)).map(energy).fold(0.0, f64::max)
 }
 
 /// The largest derivative of an order over all frames and points of a strand, by finite differences of
-/// neighboring frames; `None` of too few frames.
-fn peak(motion: &StrandMotion, strand: usize, weights: [f64; 4], order: i32) -> Option<f64> {
+/// neighboring frames; 0 of too few frames.
+fn peak(motion: &StrandMotion, strand: usize, weights: [f64; 4], order: i32) -> f64 {
     let frame_secs = StrandPath::new(motion, strand).frame_secs();
     let reach = order as usize;
-    let n = motion.times_secs.len().checked_sub(reach).filter(|n| *n > 0)?;
+    let n = motion.times_secs.len().saturating_sub(reach);
     let mut largest = 0.0;
     for k in 0..n {
         for point in 0..motion.counts[strand] {
@@ -155,7 +229,7 @@ fn peak(motion: &StrandMotion, strand: usize, weights: [f64; 4], order: i32) -> 
             largest = f64::max(largest, sum.norm());
         }
     }
-    Some(largest / libm::pow(frame_secs, f64::from(order)))
+    if n > 0 { largest / libm::pow(frame_secs, f64::from(order)) } else { 0.0 }
 }
 
 fn first_change_secs(before: &StrandMotion, after: &StrandMotion) -> Option<f64> {
@@ -202,7 +276,7 @@ fn moved(before: &StrandMotion, after: &StrandMotion, groom: &Groom, strand: usi
 mod tests {
     use super::*;
     use tousle_core::Strand;
-    use tousle_field::{Ease, Handle};
+    use tousle_field::{Ease, Handle, LayerOrigin};
 
     fn groom() -> Groom {
         let strand = |name: &str, x: f64| Strand {
@@ -242,6 +316,7 @@ mod tests {
             last_secs: 2.0,
             ease: Ease { rise: 0.5, fall: 0.5 },
             handles: vec![Handle { center_m: Vec3::new(0.0, 0.0, -0.1), reach_m: 0.06, extra: Vec3::y() }],
+            reshape: None,
             origin: LayerOrigin::Drag {
                 strand: "A".into(),
                 control_point: 1,
@@ -257,14 +332,17 @@ mod tests {
         let way = |k: usize| if k > 10 { ((k - 10) * (k - 10)) as f32 * 1e-3 } else { 0.0 };
         let effects = measure(&motion(|_| 0.0), &motion(way), &groom(), &[layer()]).unwrap();
         let effect = &effects.edits[0];
-        let residual = effect.residual_mm.unwrap();
+        let residual = effect.keys[0].residual_mm;
         assert!(
             (residual.before - 30.0).abs() < 1e-4 && (residual.after - 70.0).abs() < 1e-4,
             "{residual:?}"
         );
-        assert!((effect.peak_acceleration.unwrap().after - 0.2).abs() < 1e-4);
-        assert!((effect.peak_jerk.unwrap().after - 1.0).abs() < 1e-3);
-        assert_eq!(effect.peak_jerk.unwrap().before, 0.0);
+        let strand = &effect.strands[0];
+        assert!((strand.peak_acceleration.after - 0.2).abs() < 1e-4);
+        assert!((strand.peak_jerk.after - 1.0).abs() < 1e-3);
+        assert_eq!(strand.peak_jerk.before, 0.0);
+        // Half of 0.1 m of 1 g/m at the tip, which goes 19 mm in the last tenth of a second.
+        assert!((strand.peak_energy.after - 0.5 * 5e-5 * 0.19 * 0.19).abs() < 1e-9);
         assert_eq!(effects.first_change_secs, Some(1.1));
     }
 
@@ -281,12 +359,10 @@ mod tests {
 
     #[test]
     fn nothing_done_is_no_change() {
+        let residual = &residuals(&motion(|_| 0.0), &groom(), &[layer()]).unwrap()[0];
+        assert_eq!((residual.edit_id.as_str(), residual.mm.map(f64::round)), ("lift", Some(30.0)));
         let effects = measure(&motion(|_| 0.0), &motion(|_| 0.0), &groom(), &[layer()]).unwrap();
         assert_eq!(effects.first_change_secs, None);
-        assert_eq!(
-            residuals(&motion(|_| 0.0), &groom(), &[layer()]).unwrap()[0].mm.map(f64::round),
-            Some(30.0)
-        );
         let mut elsewhere = layer();
         elsewhere.origin = LayerOrigin::Drag {
             strand: "Z".into(),
@@ -294,6 +370,7 @@ mod tests {
             target_m: Vec3::zeros(),
             method: "paper".into(),
         };
-        assert_eq!(residuals(&motion(|_| 0.0), &groom(), &[elsewhere]).unwrap()[0].mm, None);
+        let effects = measure(&motion(|_| 0.0), &motion(|_| 0.0), &groom(), &[elsewhere]).unwrap();
+        assert!(effects.edits[0].keys.is_empty());
     }
 }

@@ -62,6 +62,14 @@ pub enum EditError {
         /// The ids that are there.
         known: String,
     },
+    /// An edit of the stack cannot be changed so.
+    #[error("edit `{id}`: {problem}")]
+    BadChange {
+        /// The edit's id.
+        id: String,
+        /// What was found and expected.
+        problem: String,
+    },
     /// The field cannot be sampled.
     #[error("the field cannot be sampled")]
     Field(#[from] tousle_field::FieldError),

@@ -1,5 +1,6 @@
 //! Edits as values: what an animator asks for, before it is turned into layers.
 
+use crate::{StackChange, WindEdit};
 use serde::{Deserialize, Serialize};
 use tousle_core::Vec3;
 use tousle_field::Ease;
@@ -14,7 +15,13 @@ pub struct EditList {
     /// Frames a second of keys that are given as frames.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
-    /// The edits, in the order in which their layers are stacked.
+    /// Changes of the edits that are on the field already, made first.
+    #[serde(default, rename = "change", skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<StackChange>,
+    /// Changes of the wind, stacked below the drags, which are made with them in place.
+    #[serde(default, rename = "wind", skip_serializing_if = "Vec::is_empty")]
+    pub winds: Vec<WindEdit>,
+    /// The drags, in the order in which their layers are stacked.
     #[serde(default, rename = "edit")]
     pub edits: Vec<Edit>,
 }
@@ -56,6 +63,21 @@ pub struct Drag {
     pub target: Target,
     /// Distance from the strand's way at which the extra force has fallen to 0, m.
     pub reach_m: f64,
+    /// What else should be where: other points, other strands, other times after the first key.
+    pub also: Vec<Key>,
+}
+
+/// Where a control point should be at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// The strand's name in the groom.
+    pub strand: String,
+    /// Which of its control points.
+    pub control_point: ControlPoint,
+    /// When.
+    pub time: KeyTime,
+    /// Where.
+    pub target: Target,
 }
 
 /// A control point of a strand.
@@ -108,7 +130,13 @@ fn first_version() -> u32 {
 impl EditList {
     /// No edits.
     pub fn new() -> Self {
-        Self { version: EDITS_VERSION, rate_hz: None, edits: Vec::new() }
+        Self {
+            version: EDITS_VERSION,
+            rate_hz: None,
+            changes: Vec::new(),
+            winds: Vec::new(),
+            edits: Vec::new(),
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use tousle_core::{Groom, StrandMotion, Vec3};
 
 /// One strand of a motion that fits its groom.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct StrandPath<'a> {
+pub struct StrandPath<'a> {
     motion: &'a StrandMotion,
     strand_idx: usize,
 }
@@ -22,12 +22,13 @@ pub(crate) fn check_motion(motion: &StrandMotion, groom: &Groom) -> Result<(), E
 }
 
 impl<'a> StrandPath<'a> {
-    pub(crate) fn new(motion: &'a StrandMotion, strand_idx: usize) -> Self {
+    /// The way of a strand, by its index in the motion.
+    pub fn new(motion: &'a StrandMotion, strand_idx: usize) -> Self {
         Self { motion, strand_idx }
     }
 
     /// The control points at a time, linear between frames, held before the first and after the last, m.
-    pub(crate) fn points_at(&self, time_secs: f64) -> Vec<Vec3> {
+    pub fn points_at(&self, time_secs: f64) -> Vec<Vec3> {
         let times = &self.motion.times_secs;
         let after = times.partition_point(|t| *t <= time_secs).clamp(1, times.len().max(2) - 1);
         let before = after - 1;

@@ -1,7 +1,7 @@
 //! The flat tables of an edits file, and what must hold for one of them alone.
 
 use crate::list::{DEFAULT_EASE, DEFAULT_REACH_M};
-use crate::{Action, ControlPoint, Drag, Edit, KeyTime, Target};
+use crate::{Action, ControlPoint, Drag, Edit, Key, KeyTime, Target, WindChange, WindEdit};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use std::fmt;
 use tousle_core::Vec3;
@@ -34,6 +34,64 @@ pub(crate) struct RawEdit {
     muted: bool,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     ease: Option<Shares>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    also: Vec<RawKey>,
+}
+
+/// An `[[edit.also]]` table. What it leaves out is as in its edit.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawKey {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    strand: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    control_point: Option<ControlPoint>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    secs: Option<Finite>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    frame: Option<i64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    target_m: Option<[Finite; 3]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    offset_m: Option<[Finite; 3]>,
+}
+
+/// A `[[wind]]` table as it stands in the file.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawWind {
+    name: String,
+    kind: WindKind,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    first_secs: Option<Finite>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    first_frame: Option<i64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    last_secs: Option<Finite>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    last_frame: Option<i64>,
+    center_m: [Finite; 3],
+    reach_m: Reach,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    vector: Option<[Finite; 3]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    factor: Option<Finite>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    turn_rad: Option<[Finite; 3]>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    muted: bool,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    ease: Option<Shares>,
+}
+
+/// How the wind may be changed.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum WindKind {
+    Gust,
+    Calm,
+    Strength,
+    Turn,
 }
 
 /// The kinds of edits that this version knows.
@@ -116,27 +174,30 @@ impl TryFrom<RawEdit> for Edit {
     type Error = String;
 
     fn try_from(raw: RawEdit) -> Result<Self, String> {
-        let point = |p: [Finite; 3]| Vec3::from(p.map(|c| c.0));
-        let target = match (raw.target_m, raw.offset_m) {
-            (Some(at), None) => Target::At(point(at)),
-            (None, Some(offset)) => Target::Offset(point(offset)),
-            (Some(_), Some(_)) => {
-                return Err("found both `target_m` and `offset_m`, expected one of them".into());
-            }
-            (None, None) => {
-                return Err("found neither `target_m` nor `offset_m`, expected one of them".into());
-            }
+        let target = target(raw.target_m, raw.offset_m)?;
+        check_point(raw.control_point)?;
+        let second = key("second_", raw.second_secs, raw.second_frame)?;
+        let also = |other: RawKey| {
+            let control_point = other.control_point.unwrap_or(raw.control_point);
+            check_point(control_point)?;
+            Ok::<_, String>(Key {
+                strand: other.strand.unwrap_or_else(|| raw.strand.clone()),
+                control_point,
+                time: match (other.secs, other.frame) {
+                    (None, None) => second,
+                    (secs, frame) => key("", secs, frame)?,
+                },
+                target: self::target(other.target_m, other.offset_m)?,
+            })
         };
-        if raw.control_point == ControlPoint::Index(0) {
-            return Err("found control point 0, expected 1 or more: the root stays where it grows".into());
-        }
         Ok(Self {
             name: raw.name,
-            first: key("first", raw.first_secs, raw.first_frame)?,
-            second: key("second", raw.second_secs, raw.second_frame)?,
+            first: key("first_", raw.first_secs, raw.first_frame)?,
+            second,
             ease: raw.ease.map_or(DEFAULT_EASE, |shares| shares.0),
             muted: raw.muted,
             action: Action::Drag(Drag {
+                also: raw.also.into_iter().map(also).collect::<Result<_, _>>()?,
                 strand: raw.strand,
                 control_point: raw.control_point,
                 target,
@@ -146,28 +207,106 @@ impl TryFrom<RawEdit> for Edit {
     }
 }
 
+impl TryFrom<RawWind> for WindEdit {
+    type Error = String;
+
+    fn try_from(raw: RawWind) -> Result<Self, String> {
+        let vector = |v: [Finite; 3]| Vec3::from(v.map(|c| c.0));
+        let change = match (raw.kind, raw.vector, raw.factor, raw.turn_rad) {
+            (WindKind::Gust, Some(v), None, None) => WindChange::Gust { vector: vector(v) },
+            (WindKind::Calm, None, None, None) => WindChange::Calm,
+            (WindKind::Strength, None, Some(Finite(factor)), None) if factor >= 0.0 => {
+                WindChange::Strength { factor }
+            }
+            (WindKind::Turn, None, None, Some(turn)) => WindChange::Turn { turn: vector(turn) },
+            _ => {
+                return Err("expected `vector` of a gust, nothing of a calm, a `factor` of at least 0 of a \
+                            strength, `turn_rad` of a turn, and no other of these"
+                    .into());
+            }
+        };
+        Ok(Self {
+            name: raw.name,
+            first: key("first_", raw.first_secs, raw.first_frame)?,
+            last: key("last_", raw.last_secs, raw.last_frame)?,
+            ease: raw.ease.map_or(DEFAULT_EASE, |shares| shares.0),
+            muted: raw.muted,
+            center_m: vector(raw.center_m),
+            reach_m: raw.reach_m.0,
+            change,
+        })
+    }
+}
+
+impl From<WindEdit> for RawWind {
+    fn from(edit: WindEdit) -> Self {
+        let vector = |v: Vec3| <[f64; 3]>::from(v).map(Finite);
+        let (kind, v, factor, turn) = match edit.change {
+            WindChange::Gust { vector: v } => (WindKind::Gust, Some(vector(v)), None, None),
+            WindChange::Calm => (WindKind::Calm, None, None, None),
+            WindChange::Strength { factor } => (WindKind::Strength, None, Some(Finite(factor)), None),
+            WindChange::Turn { turn } => (WindKind::Turn, None, None, Some(vector(turn))),
+        };
+        Self {
+            name: edit.name,
+            kind,
+            first_secs: secs(edit.first),
+            first_frame: frame(edit.first),
+            last_secs: secs(edit.last),
+            last_frame: frame(edit.last),
+            center_m: vector(edit.center_m),
+            reach_m: Reach(edit.reach_m),
+            vector: v,
+            factor,
+            turn_rad: turn,
+            muted: edit.muted,
+            ease: Some(Shares(edit.ease)),
+        }
+    }
+}
+
+fn target(target_m: Option<[Finite; 3]>, offset_m: Option<[Finite; 3]>) -> Result<Target, String> {
+    let point = |p: [Finite; 3]| Vec3::from(p.map(|c| c.0));
+    match (target_m, offset_m) {
+        (Some(at), None) => Ok(Target::At(point(at))),
+        (None, Some(offset)) => Ok(Target::Offset(point(offset))),
+        (Some(_), Some(_)) => Err("found both `target_m` and `offset_m`, expected one of them".into()),
+        (None, None) => Err("found neither `target_m` nor `offset_m`, expected one of them".into()),
+    }
+}
+
+fn check_point(control_point: ControlPoint) -> Result<(), String> {
+    if control_point == ControlPoint::Index(0) {
+        return Err("found control point 0, expected 1 or more: the root stays where it grows".into());
+    }
+    Ok(())
+}
+
 fn key(which: &str, secs: Option<Finite>, frame: Option<i64>) -> Result<KeyTime, String> {
     match (secs, frame) {
         (Some(secs), None) => Ok(KeyTime::Secs(secs.0)),
         (None, Some(frame)) => Ok(KeyTime::Frame(frame)),
         (Some(_), Some(_)) => {
-            Err(format!("found both `{which}_secs` and `{which}_frame`, expected one of them"))
+            Err(format!("found both `{which}secs` and `{which}frame`, expected one of them"))
         }
-        (None, None) => {
-            Err(format!("found neither `{which}_secs` nor `{which}_frame`, expected one of them"))
-        }
+        (None, None) => Err(format!("found neither `{which}secs` nor `{which}frame`, expected one of them")),
     }
 }
 
 impl From<Edit> for RawEdit {
     fn from(edit: Edit) -> Self {
         let Action::Drag(drag) = edit.action;
-        let point = |p: Vec3| -> [Finite; 3] { <[f64; 3]>::from(p).map(Finite) };
-        let secs = |time: KeyTime| if let KeyTime::Secs(secs) = time { Some(Finite(secs)) } else { None };
-        let frame = |time: KeyTime| if let KeyTime::Frame(frame) = time { Some(frame) } else { None };
-        let (target_m, offset_m) = match drag.target {
-            Target::At(at) => (Some(point(at)), None),
-            Target::Offset(offset) => (None, Some(point(offset))),
+        let (target_m, offset_m) = raw_target(drag.target);
+        let also = |key: Key| {
+            let (target_m, offset_m) = raw_target(key.target);
+            RawKey {
+                strand: Some(key.strand),
+                control_point: Some(key.control_point),
+                secs: secs(key.time),
+                frame: frame(key.time),
+                target_m,
+                offset_m,
+            }
         };
         Self {
             name: edit.name,
@@ -183,8 +322,25 @@ impl From<Edit> for RawEdit {
             reach_m: Some(Reach(drag.reach_m)),
             muted: edit.muted,
             ease: Some(Shares(edit.ease)),
+            also: drag.also.into_iter().map(also).collect(),
         }
     }
+}
+
+fn raw_target(target: Target) -> (Option<[Finite; 3]>, Option<[Finite; 3]>) {
+    let point = |p: Vec3| Some(<[f64; 3]>::from(p).map(Finite));
+    match target {
+        Target::At(at) => (point(at), None),
+        Target::Offset(offset) => (None, point(offset)),
+    }
+}
+
+fn secs(time: KeyTime) -> Option<Finite> {
+    if let KeyTime::Secs(secs) = time { Some(Finite(secs)) } else { None }
+}
+
+fn frame(time: KeyTime) -> Option<i64> {
+    if let KeyTime::Frame(frame) = time { Some(frame) } else { None }
 }
 
 impl From<Finite> for f64 {

@@ -36,7 +36,13 @@ impl EditList {
     }
 
     /// First and second key of the edit with this number (from 1), s.
-    pub(crate) fn keys_secs(&self, number: usize) -> Result<(f64, f64), EditError> {
+    ///
+    /// # Errors
+    /// [`EditError::BadEdit`] if they are frames of no rate, or not in order.
+    ///
+    /// # Panics
+    /// If the list has no such edit.
+    pub fn keys_secs(&self, number: usize) -> Result<(f64, f64), EditError> {
         let edit = &self.edits[number - 1];
         let bad = |problem: String| EditError::BadEdit { number, name: edit.name.clone(), problem };
         if let Some(rate) = self.rate_hz.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {

@@ -4,7 +4,7 @@ use tousle_core::Vec3;
 /// What each edit became.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct EditReport {
-    /// One entry an edit, in the list's order.
+    /// One entry a drag, in the list's order.
     pub edits: Vec<EditOutcome>,
 }
 
@@ -66,6 +66,31 @@ pub enum Unreachable {
         /// By so much, mm.
         by_mm: f64,
     },
+    /// The strongest extra vector that is allowed does not bring it there.
+    TooWeak {
+        /// It stays so far away, mm.
+        by_mm: f64,
+        /// The strongest extra vector allowed, in the field's quantity.
+        limit: f64,
+    },
+    /// No extra vectors near the strand were found that bring it there: something holds it, or other keys do.
+    NotFound {
+        /// It stays so far away, mm.
+        by_mm: f64,
+    },
+}
+
+impl Unreachable {
+    /// By how much, mm.
+    pub fn by_mm(&self) -> f64 {
+        match self {
+            Self::TooFar { by_mm }
+            | Self::TooNear { by_mm }
+            | Self::InsideBody { by_mm, .. }
+            | Self::TooWeak { by_mm, .. }
+            | Self::NotFound { by_mm } => *by_mm,
+        }
+    }
 }
 
 impl std::fmt::Display for Unreachable {
@@ -74,6 +99,10 @@ impl std::fmt::Display for Unreachable {
             Self::TooFar { by_mm } => write!(f, "{by_mm:.1} mm farther from the root than the lock is long"),
             Self::TooNear { by_mm } => write!(f, "{by_mm:.1} mm nearer to the root than the lock can fold"),
             Self::InsideBody { collider, by_mm } => write!(f, "{by_mm:.1} mm inside the {collider}"),
+            Self::TooWeak { by_mm, limit } => {
+                write!(f, "missed by {by_mm:.1} mm with the strongest extra vector allowed, {limit}")
+            }
+            Self::NotFound { by_mm } => write!(f, "missed by {by_mm:.1} mm by the nearest answer found"),
         }
     }
 }

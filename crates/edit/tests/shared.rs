@@ -60,6 +60,7 @@ impl Shot {
                 control_point: ControlPoint::Tip,
                 target: Target::Offset(offset),
                 reach_m: DEFAULT_REACH_M,
+                also: Vec::new(),
             }),
         };
         EditList { edits: vec![edit], ..EditList::new() }
@@ -86,9 +87,10 @@ fn strands_move_towards_their_targets_without_a_jump() {
         let effects =
             measure(&shot.unedited, &motion, &shot.groom, &edited.sequence.layers).expect("two motions");
         let effect = &effects.edits[0];
-        let (residual, jerk) = (effect.residual_mm.expect("mm"), effect.peak_jerk.expect("frames"));
+        let (residual, strand) = (effect.keys[0].residual_mm, &effect.strands[0]);
         let share = residual.after / residual.before;
-        let (acceleration, outcome) = (effect.peak_acceleration.expect("frames"), &edited.report.edits[0]);
+        let (acceleration, jerk, outcome) =
+            (strand.peak_acceleration, strand.peak_jerk, &edited.report.edits[0]);
         eprintln!(
             "{}, {}: {:.1} mm to go of {:.1}; acceleration x {:.2}, jerk x {:.2}; {} handles; {:?}",
             outcome.name,

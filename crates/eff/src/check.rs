@@ -18,8 +18,12 @@ use tousle_core::WindSample;
 /// How far the length of a quaternion may be from 1.
 const UNIT_TOLERANCE: f64 = 1e-6;
 
-/// Checks what edits say. JSON holds finite numbers only.
-pub(crate) fn edits(edits: &Edits, place: Place<'_>, findings: &mut Findings) {
+/// Checks what edits say, and that the manifest asks for the features they need. JSON holds finite numbers only.
+pub(crate) fn edits(edits: &Edits, requires: &[String], place: Place<'_>, findings: &mut Findings) {
+    for feature in edits.requires().iter().filter(|feature| !requires.contains(feature)) {
+        let found = format!("{requires:?} for edits that need it");
+        findings.push(place.finding(Code::Requires, "requires", found, feature));
+    }
     let mut ids = BTreeSet::new();
     for (k, layer) in edits.layers.iter().enumerate() {
         if !ids.insert(&layer.id) {
@@ -51,6 +55,9 @@ pub(crate) fn edits(edits: &Edits, place: Place<'_>, findings: &mut Findings) {
         for (h, handle) in layer.handles.iter().enumerate() {
             let what = format!("handles[{h}].reach_m");
             expect(handle.reach_m > 0.0, what, &handle.reach_m, "a number above 0");
+        }
+        if let Some(reshape) = &layer.reshape {
+            expect(reshape.scale >= 0.0, "reshape.scale".into(), &reshape.scale, "0 or a number above");
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::finding::Place;
 use crate::format::{EDITS_SCHEMA, FORMAT, MANIFEST_SCHEMA, MANIFEST_SCHEMA_V0, VERSION};
 use crate::json_schema;
 use crate::manifest::{FieldInfo, Manifest};
-use crate::wire::edits::Edits;
+use crate::wire::edits::{DIRECTING, Edits};
 use crate::wire::proto::{FieldStep, PoseStep, SampleStep};
 use crate::wire::tags::{self, BadField, Fields};
 use crate::wire::v0::{self, FieldStepV0, ManifestV0, PoseStepV0};
@@ -40,9 +40,9 @@ pub(crate) fn manifest(payload: &[u8], announced: u32, place: Place<'_>) -> Resu
             return Err(vec![*place.finding(Code::Version, "version", version, expected)]);
         }
         let requires = value["requires"].as_array().map_or(&[][..], Vec::as_slice);
-        if let Some(feature) = requires.first() {
-            let expected = "features that version 1 has: none";
-            return Err(vec![*place.finding(Code::Requires, "requires[0]", feature, expected)]);
+        if let Some((k, feature)) = requires.iter().enumerate().find(|(_, feature)| **feature != DIRECTING) {
+            let expected = format!("features that version 1 has: {DIRECTING}");
+            return Err(vec![*place.finding(Code::Requires, format!("requires[{k}]"), feature, expected)]);
         }
     }
     if announced == 0 {

@@ -22,7 +22,7 @@ pub struct Inspection {
     pub channels: Vec<ChannelSize>,
     /// Where the vectors come from, and how large they are.
     pub coverage: Coverage,
-    /// Names of the layers, in order.
+    /// The edits that the layers are of, in order: name, then id.
     pub layers: Vec<String>,
     /// Names and sizes of the attachments.
     pub attachments: Vec<(String, u64)>,
@@ -129,7 +129,8 @@ impl Listener for Tally {
     }
 
     fn edits(&mut self, layers: Vec<FieldLayer>) {
-        self.layers = layers.into_iter().map(|l| l.name).collect();
+        self.layers = layers.iter().map(|l| format!("{} ({})", l.name, l.edit_id())).collect();
+        self.layers.dedup();
     }
 
     fn step(&mut self, step: Field) -> Result<(), EffError> {

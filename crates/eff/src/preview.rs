@@ -13,7 +13,7 @@ use crate::wire::foxglove::{
 };
 use crate::wire::proto::{Quaternion, Vector3};
 pub(crate) use check::check;
-use tousle_core::{Pose, PoseTrack, Quantity, Vec3};
+use tousle_core::{Pose, PoseTrack, Quantity};
 use tousle_field::{Field, FieldLayer, GridSpec, VoxelFlag, VoxelIndex};
 
 /// The descriptors of Foxglove's messages.
@@ -101,8 +101,8 @@ impl Preview {
         let mut data = Vec::with_capacity(self.voxels.len() * N_POINTS * STRIDE);
         for &flat in &self.voxels {
             let center_m = self.grid.cell_center_m(self.grid.unflat(flat));
-            let edits = self.layers.iter().map(|l| l.extra_at(center_m) * l.presence(secs)).sum::<Vec3>();
-            let share = (step.vector(flat) + edits) / self.full;
+            let under = |vector, l: &FieldLayer| l.apply(center_m, l.presence(secs), vector);
+            let share = self.layers.iter().fold(step.vector(flat), under) / self.full;
             let color = color(share.norm(), step.flags[flat]);
             for k in 0..N_POINTS {
                 let along = k as f64 / (N_POINTS - 1) as f64;

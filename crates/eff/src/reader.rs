@@ -54,7 +54,7 @@ impl<R: Read + Seek> Reader<R> {
         each_message(&mut input, &index, topic::EDITS, None, &mut |message, place| {
             let mut findings = Findings::first_error();
             let edits = decode::edits(message.data, place).map_err(first)?;
-            check::edits(&edits, place, &mut findings);
+            check::edits(&edits, &manifest.requires, place, &mut findings);
             layers = edits.layers.into_iter().map(Into::into).collect();
             fail(findings)
         })?;

@@ -134,8 +134,8 @@ impl<W: Write> Writer<W> {
     /// # Errors
     /// [`EffError`] if the stream fails or the head holds what a file cannot.
     pub fn new(out: W, head: &Head<'_>, options: &WriteOptions) -> Result<Self, EffError> {
-        let manifest = head::manifest(head, options.encoding)?;
         let edits = Edits { layers: head.layers.iter().map(Into::into).collect() };
+        let manifest = head::manifest(head, options.encoding)?;
         head::check(&manifest, &edits)?;
         Self::begin_with(out, manifest, &edits, &head.scene.poses.poses, options.has_preview)
     }
@@ -147,11 +147,12 @@ impl<W: Write> Writer<W> {
 
     fn begin_with(
         out: W,
-        manifest: Manifest,
+        mut manifest: Manifest,
         edits: &Edits,
         poses: &[Pose],
         has_preview: bool,
     ) -> Result<Self, EffError> {
+        manifest.requires = edits.requires();
         let layers = || edits.layers.iter().cloned().map(Into::into).collect();
         let preview = has_preview.then(|| Preview::new(&manifest, poses, layers()));
         let mcap_options = mcap::WriteOptions::new()

@@ -128,6 +128,7 @@ fn edits_are_added_to_the_voxels() {
         last_secs: 9.0,
         ease: Ease { rise: 0.0, fall: 0.0 },
         handles: vec![handle],
+        reshape: None,
         origin,
     };
     let edited = FieldSequence { layers: vec![layer], ..field() };

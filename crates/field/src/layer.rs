@@ -1,3 +1,4 @@
+use nalgebra::Rotation3;
 use serde::{Deserialize, Serialize};
 use tousle_core::Vec3;
 
@@ -22,6 +23,9 @@ pub struct FieldLayer {
     pub ease: Ease,
     /// Where it acts. Where handles overlap their vectors are averaged, not piled up.
     pub handles: Vec<Handle>,
+    /// What it does to the vectors that are there, before the handles' own are added; `None`: nothing.
+    #[serde(default)]
+    pub reshape: Option<Reshape>,
     /// What it was made from, for an editor to take up again; sampling never looks at it.
     pub origin: LayerOrigin,
 }
@@ -35,6 +39,15 @@ pub struct Handle {
     pub reach_m: f64,
     /// What is added at the center when the layer is fully there, head axes, in the field's quantity.
     pub extra: Vec3,
+}
+
+/// What a layer does to the vectors that are there, where and when it is fully there.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reshape {
+    /// They are turned about this axis by its length, rad, head axes.
+    pub turn: Vec3,
+    /// They are made so many times as long, ≥ 0: 0 is a calm.
+    pub scale: f64,
 }
 
 /// How a layer comes and goes: the share of its span in which it rises from 0 to 1, and falls to 0 again.
@@ -63,9 +76,67 @@ pub enum LayerOrigin {
         /// Which method made the handles: `paper` (E4) or another by name.
         method: String,
     },
+    /// One of the layers that were solved for together, so that control points meet keys.
+    Keys {
+        /// The edit that they are all of, unique in a field's stack among edits.
+        edit: String,
+        /// Before this time the edit does nothing, s.
+        first_secs: f64,
+        /// What should be where, and when.
+        keys: Vec<LayerKey>,
+        /// Which method solved for them.
+        method: String,
+    },
+    /// The wind was changed at some places.
+    Wind {
+        /// How: `gust`, `calm`, `strength`, `turn`, or another by name.
+        action: String,
+    },
+    /// Another edit, mirrored from left to right.
+    Mirrored {
+        /// The edit that this layer is of, as in [`LayerOrigin::Keys`].
+        edit: String,
+        /// The edit that was mirrored.
+        of: String,
+    },
+}
+
+/// Where a control point should be at a time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LayerKey {
+    /// The strand's name in the groom it was dragged in.
+    pub strand: String,
+    /// The control point, from the root.
+    pub control_point: usize,
+    /// When, s.
+    pub secs: f64,
+    /// Where, head space, m.
+    pub target_m: Vec3,
 }
 
 impl FieldLayer {
+    /// The edit that the layer is of: itself, or what it has in common with others.
+    pub fn edit_id(&self) -> &str {
+        match &self.origin {
+            LayerOrigin::Keys { edit, .. } | LayerOrigin::Mirrored { edit, .. } => edit,
+            LayerOrigin::Drag { .. } | LayerOrigin::Wind { .. } => &self.id,
+        }
+    }
+
+    /// What the edit wants where, and when.
+    pub fn keys(&self) -> Vec<LayerKey> {
+        match &self.origin {
+            LayerOrigin::Keys { keys, .. } => keys.clone(),
+            LayerOrigin::Drag { strand, control_point, target_m, .. } => vec![LayerKey {
+                strand: strand.clone(),
+                control_point: *control_point,
+                secs: self.last_secs,
+                target_m: *target_m,
+            }],
+            LayerOrigin::Wind { .. } | LayerOrigin::Mirrored { .. } => Vec::new(),
+        }
+    }
+
     /// How much of the layer is there at a time: 0 outside the span and at its ends, 1 in between.
     pub fn presence(&self, time_secs: f64) -> f64 {
         let span = self.last_secs - self.first_secs;
@@ -84,11 +155,27 @@ impl FieldLayer {
         boxes.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
     }
 
+    /// What the layer makes of a vector at a point, head space, m, when so much of it is there
+    /// ([`FieldLayer::presence`]).
+    pub fn apply(&self, point_m: Vec3, presence: f64, vector: Vec3) -> Vec3 {
+        let (extra, weights) = self.gather(point_m);
+        let weight = f64::min(weights, 1.0) * presence;
+        match &self.reshape {
+            Some(reshape) if weight > 0.0 => reshape.apply(weight, vector) + extra * presence,
+            _ => vector + extra * presence,
+        }
+    }
+
     /// What the layer adds at a point, head space, m, when it is fully there. Times [`FieldLayer::presence`].
     ///
     /// The weighted mean of the handles' vectors where their weights add up to more than 1, their weighted sum
     /// where they do not: one handle gives its own vector at its center, many close together do not pile up.
     pub fn extra_at(&self, point_m: Vec3) -> Vec3 {
+        self.gather(point_m).0
+    }
+
+    /// [`FieldLayer::extra_at`], and the sum of the handles' weights.
+    fn gather(&self, point_m: Vec3) -> (Vec3, f64) {
         let mut sum = Vec3::zeros();
         let mut weights = 0.0;
         for handle in &self.handles {
@@ -96,7 +183,16 @@ impl FieldLayer {
             sum += handle.extra * weight;
             weights += weight;
         }
-        sum / f64::max(weights, 1.0)
+        (sum / f64::max(weights, 1.0), weights)
+    }
+}
+
+impl Reshape {
+    /// What becomes of a vector where the layer has this weight, 0 to 1: turned and stretched by so much of the way,
+    /// so that a turn keeps its length everywhere.
+    pub fn apply(&self, weight: f64, vector: Vec3) -> Vec3 {
+        let turned = Rotation3::new(self.turn * weight) * vector;
+        turned * (1.0 + (self.scale - 1.0) * weight)
     }
 }
 
@@ -144,6 +240,7 @@ mod tests {
             last_secs: 2.0,
             ease: Ease { rise: 0.5, fall: 0.25 },
             handles,
+            reshape: None,
             origin: LayerOrigin::Drag {
                 strand: "S01".into(),
                 control_point: 3,
@@ -163,6 +260,18 @@ mod tests {
         assert!(layer.presence(1.999) < 1e-6);
         assert_eq!(layer.presence(2.0), 0.0);
         assert_eq!(FieldLayer { muted: true, ..layer }.presence(1.5), 0.0);
+    }
+
+    /// A quarter turn to the left of half the strength: at the center, half of the way by halves, nothing at the reach.
+    #[test]
+    fn a_layer_turns_and_weakens_the_wind_that_is_there() {
+        let handle = Handle { center_m: Vec3::zeros(), reach_m: 0.1, extra: Vec3::zeros() };
+        let reshape = Reshape { turn: Vec3::z() * core::f64::consts::FRAC_PI_2, scale: 0.5 };
+        let layer = FieldLayer { reshape: Some(reshape), ..layer(vec![handle]) };
+        let at = |x: f64, presence: f64| layer.apply(Vec3::x() * x, presence, Vec3::x() * 4.0);
+        assert!((at(0.0, 1.0) - Vec3::y() * 2.0).norm() < 1e-12);
+        assert!((at(0.0, 0.5) - Vec3::new(1.0, 1.0, 0.0).normalize() * 3.0).norm() < 1e-12);
+        assert_eq!(at(0.1, 1.0), Vec3::x() * 4.0);
     }
 
     #[test]

@@ -13,7 +13,7 @@ mod scene;
 mod sequence;
 
 pub use grid::{GridError, GridSpec, MAX_VOXELS, VoxelIndex};
-pub use layer::{Ease, FieldLayer, Handle, LayerOrigin};
+pub use layer::{Ease, FieldLayer, Handle, LayerKey, LayerOrigin, Reshape};
 pub use sampler::{Moment, Sampler};
 pub use scene::Scene;
 pub use sequence::{Field, FieldError, FieldSequence, FieldSlice, Stencil, VoxelFlag};

@@ -285,10 +285,9 @@ impl Moment<'_> {
             let point_m = Vec3::from(point_m.map(f64::from));
             let acting =
                 self.layers.iter().filter(|(placed, _)| placed.acts_at(point_m, k, self.sampler.turns));
-            let extra: Vec3 = acting.map(|(placed, share)| placed.layer.extra_at(point_m) * *share).sum();
-            for axis in 0..3 {
-                vector[axis] += extra[axis] as f32;
-            }
+            let before = Vec3::from(vector.map(f64::from));
+            let after = acting.fold(before, |v, (placed, share)| placed.layer.apply(point_m, *share, v));
+            *vector = after.map(|c| c as f32).into();
         }
     }
 }
@@ -395,6 +394,7 @@ mod tests {
             last_secs: 2.0,
             ease: crate::Ease { rise: 0.0, fall: 0.0 },
             handles: vec![crate::Handle { center_m: Vec3::zeros(), reach_m: 0.1, extra }],
+            reshape: None,
             origin: crate::LayerOrigin::Drag {
                 strand: "A".into(),
                 control_point: 1,

@@ -224,9 +224,11 @@ impl FieldSequence {
                     continue;
                 }
                 for voxel in 0..self.grid.n_voxels() {
-                    let extra = layer.extra_at(self.grid.cell_center_m(self.grid.unflat(voxel)));
-                    if extra != Vec3::zeros() {
-                        step.set_vector(voxel, step.vector(voxel) + extra * presence);
+                    let center_m = self.grid.cell_center_m(self.grid.unflat(voxel));
+                    let before = step.vector(voxel);
+                    let after = layer.apply(center_m, presence, before);
+                    if after != before {
+                        step.set_vector(voxel, after);
                     }
                 }
             }
@@ -304,7 +306,7 @@ impl<'a> FieldSlice<'a> {
         for layer in self.layers {
             let presence = layer.presence(self.time_secs);
             if presence > 0.0 {
-                vector += layer.extra_at(point_m) * presence;
+                vector = layer.apply(point_m, presence, vector);
             }
         }
         vector

@@ -47,6 +47,7 @@ impl Dragging {
             control_point: ControlPoint::Index(grip.point as u32),
             target: Target::At(grip.target_m),
             reach_m: DEFAULT_REACH_M,
+            also: Vec::new(),
         };
         let [first, second] = grip.keys_secs.map(KeyTime::Secs);
         let edit = Edit {

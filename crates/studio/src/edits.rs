@@ -49,8 +49,8 @@ const N_TIMES: usize = 24;
 pub fn edits(stack: &[FieldLayer]) -> Vec<StackedEdit> {
     let mut ids: Vec<&str> = Vec::new();
     for layer in stack {
-        if !ids.contains(&edit_id(layer)) {
-            ids.push(edit_id(layer));
+        if !ids.contains(&layer.edit_id()) {
+            ids.push(layer.edit_id());
         }
     }
     ids.into_iter().filter_map(|id| edit(stack, id)).collect()
@@ -58,15 +58,23 @@ pub fn edits(stack: &[FieldLayer]) -> Vec<StackedEdit> {
 
 /// The edit of a stack with this id.
 pub fn edit(stack: &[FieldLayer], id: &str) -> Option<StackedEdit> {
-    let layers: Vec<&FieldLayer> = stack.iter().filter(|layer| edit_id(layer) == id).collect();
+    let layers: Vec<&FieldLayer> = stack.iter().filter(|layer| layer.edit_id() == id).collect();
     let first = *layers.first()?;
     let span_secs = [
         layers.iter().map(|layer| layer.first_secs).fold(f64::INFINITY, f64::min),
         layers.iter().map(|layer| layer.last_secs).fold(f64::NEG_INFINITY, f64::max),
     ];
-    let LayerOrigin::Drag { strand, control_point, target_m, method } = &first.origin;
-    let pull =
-        Pull { strand: strand.clone(), point: *control_point, secs: first.last_secs, target_m: *target_m };
+    let method = match &first.origin {
+        LayerOrigin::Drag { method, .. } | LayerOrigin::Keys { method, .. } => method.clone(),
+        LayerOrigin::Wind { action } => action.clone(),
+        LayerOrigin::Mirrored { of, .. } => format!("{of} mirrored"),
+    };
+    let pull = first.keys().into_iter().next().map(|key| Pull {
+        strand: key.strand,
+        point: key.control_point,
+        secs: key.secs,
+        target_m: key.target_m,
+    });
     Some(StackedEdit {
         id: id.to_owned(),
         name: first.name.clone(),
@@ -75,14 +83,9 @@ pub fn edit(stack: &[FieldLayer], id: &str) -> Option<StackedEdit> {
         presence: presence(&layers, span_secs),
         ease: first.ease,
         reach_m: first.handles.first().map_or(DEFAULT_REACH_M, |handle| handle.reach_m),
-        pull: Some(pull),
-        method: method.clone(),
+        pull,
+        method,
     })
-}
-
-/// The id of the edit that a layer is of.
-fn edit_id(layer: &FieldLayer) -> &str {
-    &layer.id
 }
 
 /// How much of some layers is there, muted or not.
@@ -98,12 +101,12 @@ fn presence(layers: &[&FieldLayer], [first, last]: [f64; 2]) -> Vec<f64> {
 
 /// A stack without one of its edits.
 pub fn without(stack: &[FieldLayer], id: &str) -> Vec<FieldLayer> {
-    stack.iter().filter(|layer| edit_id(layer) != id).cloned().collect()
+    stack.iter().filter(|layer| layer.edit_id() != id).cloned().collect()
 }
 
 /// A stack with an edit's layers in the place of another edit's, or on top if there is no such.
 pub fn put(stack: &[FieldLayer], replaces: Option<&str>, layers: Vec<FieldLayer>) -> Vec<FieldLayer> {
-    let place = replaces.and_then(|id| stack.iter().position(|layer| edit_id(layer) == id));
+    let place = replaces.and_then(|id| stack.iter().position(|layer| layer.edit_id() == id));
     let mut others = replaces.map_or_else(|| stack.to_vec(), |id| without(stack, id));
     let place = place.unwrap_or(others.len());
     others.splice(place..place, layers);
@@ -119,6 +122,7 @@ impl StackedEdit {
             control_point: ControlPoint::Index(point as u32),
             target: Target::At(target_m),
             reach_m: self.reach_m,
+            also: Vec::new(),
         };
         let edit = Edit {
             name: self.name.clone(),

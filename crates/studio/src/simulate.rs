@@ -252,6 +252,7 @@ mod tests {
             control_point: ControlPoint::Tip,
             target: Target::Offset(Vec3::new(0.03, 0.0, 0.01)),
             reach_m: 0.06,
+            also: Vec::new(),
         };
         let edit = Edit {
             name: "lift".into(),

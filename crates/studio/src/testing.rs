@@ -59,6 +59,7 @@ pub fn layer(id: &str) -> FieldLayer {
         last_secs: 0.8,
         ease: Ease { rise: 0.5, fall: 0.25 },
         handles: vec![Handle { center_m: Vec3::new(0.1, 0.0, -0.1), reach_m: 0.06, extra: Vec3::x() }],
+        reshape: None,
         origin: LayerOrigin::Drag {
             strand: "A".into(),
             control_point: 4,

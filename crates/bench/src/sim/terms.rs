@@ -163,6 +163,7 @@ fn layer(muted: bool) -> FieldLayer {
         last_secs: 3.0,
         ease: Ease { rise: 0.1, fall: 0.1 },
         handles: vec![Handle { center_m: Vec3::new(0.0, 0.1, -0.1), reach_m: 0.1, extra: Vec3::y() * 2.0 }],
+        reshape: None,
         origin: LayerOrigin::Drag {
             strand: String::new(),
             control_point: 0,

@@ -1,9 +1,10 @@
 use super::{demo, read_eff, write_whole};
-use crate::args::{BenchArgs, BenchCommand, BenchFileArgs, BenchSimArgs, BenchWindArgs};
+use crate::args::{BenchArgs, BenchCommand, BenchDirectArgs, BenchFileArgs, BenchSimArgs, BenchWindArgs};
 use crate::ui::Outcome;
 use anyhow::Context;
 use std::io::Write;
 use std::path::Path;
+use tousle_bench::direct::{self, DirectBenchOptions};
 use tousle_bench::measure::{self, Setting};
 use tousle_bench::paper::{self, PaperBenchOptions};
 use tousle_bench::sim::{self, Part, Sample, SimBenchOptions};
@@ -16,6 +17,7 @@ pub fn run(command: &BenchCommand, watch: &dyn Watch) -> anyhow::Result<Outcome>
         BenchCommand::Paper(args) => paper(args, watch),
         BenchCommand::Sim(args) => sim(args, watch),
         BenchCommand::Wind(args) => wind(args, watch),
+        BenchCommand::Direct(args) => direct(args, watch),
         BenchCommand::File(args) => file(args, watch),
     }
 }
@@ -66,6 +68,25 @@ fn wind(args: &BenchWindArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     write_text(folder, "wind-calibration.svg", &report.calibration_plot().standalone_svg())?;
     write_text(folder, "wind.html", &report.to_html(&tousle_bench::when_and_where()))?;
     println!("wrote {}", folder.join("wind.html").display());
+    Ok(Outcome::Fine)
+}
+
+fn direct(args: &BenchDirectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
+    let defaults = DirectBenchOptions::default();
+    let names = if args.names.is_empty() { defaults.names } else { args.names.clone() };
+    let options = DirectBenchOptions { names, n_drags: args.drags, seed: args.seed };
+    let stage = watch.stage("bench");
+    let report = direct::run(&args.captures, &options, &*stage)?;
+    drop(stage);
+    print!("{}", report.to_text());
+    let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
+    make_folder(folder)?;
+    for (name, table) in
+        [("direct", report.summary()), ("direct-drags", report.drags()), ("direct-live", report.live_table())]
+    {
+        write_text(folder, &format!("{name}.csv"), &table.to_csv())?;
+        println!("wrote {}", folder.join(format!("{name}.csv")).display());
+    }
     Ok(Outcome::Fine)
 }
 

@@ -6,13 +6,14 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 use tousle_core::{Groom, StrandMotion};
-use tousle_edit::{EditEffects, EditOptions};
+use tousle_direct::{DirectOptions, Stage};
+use tousle_edit::{Change, EditEffects};
 use tousle_eff::{Eff, WriteOptions};
 use tousle_fit::{FitMethod, FitOptions};
 use tousle_groom::GroomOptions;
 use tousle_page::{Compared, DemoPage, Figure, FileEntry, HairView, StageLine};
 use tousle_pipeline::{ConvertOptions, Converted, Input, Watch, write_whole};
-use tousle_sim::{Method, SimOptions, Simulation};
+use tousle_sim::{Method, SimOptions, Simulation, Simulator};
 
 const CAPTURE: &[u8] = include_bytes!("../../../../fixtures/demo/gusts.c3d");
 const SESSION: &[u8] = include_bytes!("../../../../fixtures/demo/session.json");
@@ -180,24 +181,21 @@ fn edit(
     let command = "tousle edit gusts.eff.mcap --groom bob.json --edits lift.toml -o lifted.eff.mcap";
     log.stage("edit", command, || {
         let edits = tousle_edit::read_edits(EDITS)?;
-        let edited = tousle_edit::apply(
-            eff.field.clone(),
-            &eff.scene,
-            groom,
-            before,
-            &edits,
-            &EditOptions::default(),
-        )?;
+        let options = SimOptions::of(Method::for_quantity(eff.field.quantity));
+        let simulator = Simulator::new(&eff.field, &eff.scene, groom, &options)?;
+        let world = Stage { simulator: &simulator, field: &eff.field, scene: &eff.scene, groom };
+        let direct = DirectOptions::for_quantity(eff.field.quantity);
+        let layers = tousle_direct::apply(&world, &[], before, &edits, &direct)?.stack;
         let stage = watch.stage("simulate");
-        let options = SimOptions::of(Method::for_quantity(edited.sequence.quantity));
-        let after = tousle_sim::simulate(&edited.sequence, &eff.scene, groom, &options, &*stage)?.motion;
+        let after = simulator.simulate(&layers, &*stage)?.motion;
         drop(stage);
-        let effects = tousle_edit::measure(before, &after, groom, &edited.sequence.layers)?;
-        let eff = Eff { field: edited.sequence, ..eff.clone() };
+        let effects = tousle_edit::measure(before, &after, groom, &layers)?;
+        let mut eff = eff.clone();
+        eff.field.layers = layers;
         write_whole(&folder.path.join("lifted.eff.mcap"), |out| {
             tousle_eff::write(&eff, out, &WriteOptions::default(), &tousle_core::NoProgress)
         })?;
-        let residual = effects.edits.first().and_then(|e| e.residual_mm);
+        let residual = key_residual_mm(&effects);
         let text = residual.map_or_else(String::new, |r| {
             format!("a strand pulled towards a key: {:.0} mm off before, {:.0} mm after", r.before, r.after)
         });
@@ -303,11 +301,16 @@ fn figures(converted: &Converted, simulated: &Simulation, effects: &EditEffects)
             format!("{} steps of {:.2} ms", simulated.report.n_steps, simulated.report.dt_secs * 1e3),
         ),
     ];
-    if let Some(residual) = effects.edits.first().and_then(|e| e.residual_mm) {
-        let note = format!("{:.0} mm off before the edit; E4 does not solve for the key", residual.before);
+    if let Some(residual) = key_residual_mm(effects) {
+        let note = format!("{:.0} mm off before the edit; the extra wind is solved for", residual.before);
         figures.push(figure("edited strand off its key", format!("{:.0}", residual.after), "mm", note));
     }
     figures
+}
+
+/// How far the dragged point is from its key, mm.
+fn key_residual_mm(effects: &EditEffects) -> Option<Change> {
+    Some(effects.edits.first()?.keys.first()?.residual_mm)
 }
 
 /// Every file in the folder that the demo wrote, with its size.

@@ -3,18 +3,18 @@ use crate::args::EditArgs;
 use crate::ui::Outcome;
 use anyhow::Context;
 use serde::Serialize;
+use std::fmt::Write;
 use std::io::Cursor;
-use tousle_core::{Groom, StrandMotion};
-use tousle_edit::{EditEffects, EditOptions, EditReport, Edited};
-use tousle_field::{FieldSequence, Scene};
+use tousle_direct::{DirectOptions, DirectReport, Made, Stage, apply};
+use tousle_edit::EditEffects;
 use tousle_pipeline::{Watch, read_file, write_whole};
-use tousle_sim::{Method, SimOptions};
+use tousle_sim::{Method, SimOptions, Simulator};
 
 /// What the edits became, and what they did.
 #[derive(Serialize)]
 struct Report {
     #[serde(flatten)]
-    made: EditReport,
+    made: DirectReport,
     effects: EditEffects,
 }
 
@@ -26,71 +26,110 @@ pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let groom = read_groom(&args.groom, &args.groom_args, &eff.scene, &eff.field.grid)?;
     let edits = tousle_edit::read_edits(&read_file(&args.edits)?)
         .with_context(|| format!("cannot read the edits {}", args.edits.display()))?;
-    let n_before = eff.field.layers.len();
-    let before = simulated(&eff.field, &eff.scene, &groom, watch)?;
-    let Edited { sequence, report } =
-        tousle_edit::apply(eff.field, &eff.scene, &groom, &before, &edits, &EditOptions::default())
-            .with_context(|| format!("cannot apply the edits {}", args.edits.display()))?;
-    let after = simulated(&sequence, &eff.scene, &groom, watch)?;
-    let effects = tousle_edit::measure(&before, &after, &groom, &sequence.layers[n_before..])?;
+    let (field, scene, groom) = (&eff.field, &eff.scene, &groom);
+    let options = SimOptions::of(Method::for_quantity(field.quantity));
+    let simulator = Simulator::new(field, scene, groom, &options)?;
+    let stage = watch.stage("simulate");
+    let before = simulator.simulate(&field.layers, &*stage)?.motion;
+    drop(stage);
+    let stage = watch.stage("solve");
+    let mut direct = DirectOptions::for_quantity(field.quantity);
+    direct.method = args.method.unwrap_or(direct.method);
+    direct.tolerance_m = args.tolerance_mm * 1e-3;
+    let world = Stage { simulator: &simulator, field, scene, groom };
+    let directed = apply(&world, &field.layers, &before, &edits, &direct)
+        .with_context(|| format!("cannot apply the edits {}", args.edits.display()))?;
+    drop(stage);
+    let after = simulator.simulate(&directed.stack, &tousle_core::NoProgress)?.motion;
+    let effects = tousle_edit::measure(&before, &after, groom, directed.added())?;
     let stage = watch.stage("write");
     // The voxels are copied as they are packed: however often a field is edited, they stay what they were.
     write_whole(&args.output, |out| {
-        tousle_eff::replace_layers(Cursor::new(&bytes), &sequence.layers, out, &*stage)
+        tousle_eff::replace_layers(Cursor::new(&bytes), &directed.stack, out, &*stage)
     })?;
     drop(stage);
-    let report = Report { made: report, effects };
+    let report = Report { made: directed.report, effects };
     if args.json {
         print_json(&report)?;
     } else {
         print!("{}", summary(&report));
         println!("wrote {}", args.output.display());
     }
-    let unreachable = report.made.edits.iter().filter_map(|e| Some((e, e.unreachable.as_ref()?)));
-    let n_unreachable = unreachable.clone().count();
-    for (edit, why) in unreachable {
-        eprintln!("loss: edit {:?}: the target is {why}", edit.name);
-    }
-    Ok(if n_unreachable == 0 { Outcome::Fine } else { Outcome::WithLoss })
+    Ok(losses(&report.made))
 }
 
-fn simulated(
-    field: &FieldSequence,
-    scene: &Scene,
-    groom: &Groom,
-    watch: &dyn Watch,
-) -> anyhow::Result<StrandMotion> {
-    let stage = watch.stage("simulate");
-    let options = SimOptions::of(Method::for_quantity(field.quantity));
-    Ok(tousle_sim::simulate(field, scene, groom, &options, &*stage)?.motion)
+/// Says what was not reached.
+fn losses(report: &DirectReport) -> Outcome {
+    let lost =
+        report.edits.iter().flat_map(|made| made.unreachable().into_iter().map(move |why| (made, why)));
+    let mut outcome = Outcome::Fine;
+    for (made, why) in lost {
+        eprintln!("loss: edit {:?}: the target is {why}", made.name());
+        outcome = Outcome::WithLoss;
+    }
+    outcome
 }
 
 fn summary(report: &Report) -> String {
-    use std::fmt::Write;
     let mut text = String::new();
-    for (edit, effect) in report.made.edits.iter().zip(&report.effects.edits) {
-        let _ = writeln!(
-            text,
-            "edit {:?}: strand {}, control point {}, {:.3} to {:.3} s, asked to move {:.1} mm",
-            edit.name, edit.strand, edit.control_point, edit.first_secs, edit.second_secs, edit.asked_mm
-        );
-        if let Some(residual) = effect.residual_mm {
+    for effect in &report.effects.edits {
+        let made = report.made.edits.iter().find(|made| made.edit_id() == effect.edit_id);
+        let how = made.map_or_else(|| "a change of the wind".to_owned(), how);
+        let _ = writeln!(text, "edit {:?}, {how}", effect.name);
+        for key in &effect.keys {
             let _ = writeln!(
                 text,
-                "  distance from the target at the key: {:.1} mm before, {:.1} mm after",
-                residual.before, residual.after
+                "  strand {}, control point {}, at {:.3} s: {:.1} mm from the target before, {:.2} mm after",
+                key.key.strand,
+                key.key.control_point,
+                key.key.secs,
+                key.residual_mm.before,
+                key.residual_mm.after
             );
         }
-        if let (Some(acceleration), Some(jerk)) = (effect.peak_acceleration, effect.peak_jerk) {
+        for strand in &effect.strands {
+            let (acceleration, jerk, energy) =
+                (strand.peak_acceleration, strand.peak_jerk, strand.peak_energy);
             let _ = writeln!(
                 text,
-                "  peak acceleration {:.1} to {:.1} m/s², peak jerk {:.0} to {:.0} m/s³",
-                acceleration.before, acceleration.after, jerk.before, jerk.after
+                "  strand {}: peak acceleration {:.1} to {:.1} m/s², jerk {:.0} to {:.0} m/s³, energy {:.3} to {:.3} mJ",
+                strand.strand,
+                acceleration.before,
+                acceleration.after,
+                jerk.before,
+                jerk.after,
+                energy.before * 1e3,
+                energy.after * 1e3
             );
         }
     }
-    if let Some(far) = &report.effects.most_moved_far {
-        let _ = writeln!(text, "  10 cm outside the reach: {} moved most, {:.2} mm", far.strand, far.mm);
+    if let Some(secs) = report.effects.first_change_secs {
+        let _ = writeln!(text, "  the same to the bit before {secs:.3} s");
+    }
+    for (where_, moved) in [
+        ("outside the reach", &report.effects.most_moved_outside),
+        ("10 cm outside the reach", &report.effects.most_moved_far),
+    ] {
+        if let Some(moved) = moved {
+            let _ = writeln!(text, "  {where_}: {} moved most, {:.2} mm", moved.strand, moved.mm);
+        }
     }
     text
+}
+
+fn how(made: &Made) -> String {
+    match made {
+        Made::Physical(outcome) => format!(
+            "solved: {} layers with {} handles, the strongest adds {:.1}; {} strands simulated for it{}",
+            outcome.n_layers,
+            outcome.n_handles,
+            outcome.strongest,
+            outcome.n_runs,
+            if outcome.peaks_demanded { "; the keys ask for more than the usual acceleration" } else { "" }
+        ),
+        Made::Paper(outcome) => {
+            format!("by E4: asked to move {:.1} mm, {} handles", outcome.asked_mm, outcome.n_handles)
+        }
+        _ => "made".to_owned(),
+    }
 }

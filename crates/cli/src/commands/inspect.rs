@@ -86,7 +86,7 @@ fn field_table(field: &Inspection) -> String {
     let [from, to] = field.pose_span_secs;
     let _ = writeln!(text, "head       {} poses, {from:.3} to {to:.3} s", manifest.pose.n_poses);
     for layer in &field.layers {
-        let _ = writeln!(text, "layer      {layer}");
+        let _ = writeln!(text, "edit       {layer}");
     }
     for channel in &field.channels {
         let kilobytes = channel.n_bytes as f64 / 1e3;

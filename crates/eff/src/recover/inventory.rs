@@ -156,7 +156,7 @@ impl Inventory {
         match stream.topic {
             topic::EDITS => {
                 let edits = decode::edits(message.data, at).map_err(first)?;
-                sound(|findings| check::edits(&edits, at, findings))?;
+                sound(|findings| check::edits(&edits, &manifest.requires, at, findings))?;
                 keep_only(&mut self.edits, edits, at)
             }
             topic::POSE => {

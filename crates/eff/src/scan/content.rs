@@ -71,7 +71,7 @@ impl<'v> Content<'v> {
             findings.push(place.finding(Code::Channel, "schema_id", found, expected));
         }
         let outcome = match stream.topic {
-            topic::EDITS => self.edits(message, place, findings),
+            topic::EDITS => self.edits(&manifest, message, place, findings),
             topic::POSE => self.pose(&manifest, message, place, findings),
             topic::SAMPLES => self.samples(&manifest, message, place, findings),
             _ => self.step(&manifest, message, place, findings),
@@ -112,6 +112,7 @@ impl<'v> Content<'v> {
 
     fn edits(
         &mut self,
+        manifest: &Manifest,
         message: Message<'_>,
         place: Place<'_>,
         findings: &mut Findings,
@@ -123,7 +124,7 @@ impl<'v> Content<'v> {
         }
         match decode::edits(message.data, place) {
             Ok(edits) => {
-                check::edits(&edits, place, findings);
+                check::edits(&edits, &manifest.requires, place, findings);
                 self.listener.edits(edits.layers.into_iter().map(Into::into).collect());
             }
             Err(found) => found.into_iter().for_each(|f| findings.push(f)),

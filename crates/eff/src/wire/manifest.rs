@@ -19,7 +19,7 @@ pub struct Manifest {
     /// The format's version. A reader refuses a newer one than its own.
     #[cfg_attr(test, schemars(extend("const" = 1)))]
     pub version: u32,
-    /// Names of features that a reader must know to read the file. Version 1 has none.
+    /// Names of features that a reader must know to read the file. Version 1 began with none and has one: `directing`.
     pub requires: Vec<String>,
     /// What the field is called, for people.
     pub name: String,

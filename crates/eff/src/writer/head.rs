@@ -75,7 +75,7 @@ pub(super) fn manifest(head: &Head<'_>, encoding: Encoding) -> Result<Manifest, 
 pub(crate) fn check(manifest: &Manifest, edits: &Edits) -> Result<(), EffError> {
     let mut findings = Findings::first_error();
     crate::check::manifest(manifest, Place::default(), &mut findings);
-    crate::check::edits(edits, Place::default(), &mut findings);
+    crate::check::edits(edits, &edits.requires(), Place::default(), &mut findings);
     if let Some(finding) = findings.into_first_error() {
         return Err(EffError::bad(finding.what, finding.found, finding.expected));
     }

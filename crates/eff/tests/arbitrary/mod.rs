@@ -98,6 +98,7 @@ pub fn layer(id: &str) -> FieldLayer {
         last_secs: 0.12,
         ease: Ease { rise: 0.7, fall: 0.3 },
         handles: vec![Handle { center_m: Vec3::new(0.1, 0.0, 0.05), reach_m: 0.1, extra: Vec3::z() }],
+        reshape: None,
         origin: LayerOrigin::Drag {
             strand: "S01".into(),
             control_point: 3,

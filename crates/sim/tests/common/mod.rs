@@ -66,6 +66,7 @@ pub fn lift(extra: Vec3) -> FieldLayer {
         last_secs: 0.9,
         ease: Ease { rise: 0.5, fall: 0.5 },
         handles: vec![Handle { center_m: Vec3::new(0.1, 0.0, -0.1), reach_m: 0.3, extra }],
+        reshape: None,
         origin: LayerOrigin::Drag {
             strand: "strand".into(),
             control_point: 4,

@@ -1,0 +1,170 @@
+//! Drags judged: on captures, drawn at random within what locks can reach, made by E4 and solved for, and worn by another
+//! hairstyle.
+
+mod draw;
+mod live;
+mod report;
+mod wig;
+
+pub use live::{LiveRow, live};
+pub use report::{DirectBenchReport, DragRow, MethodRow};
+pub use wig::wig;
+
+use crate::capture::failed;
+use crate::{BenchError, CaptureFolder, Stopwatch};
+use draw::{Dice, drag};
+use tousle_core::{Groom, NoProgress, Progress, StrandMotion, Vec3};
+use tousle_direct::{DirectOptions, EditMethod, Made, Stage, apply};
+use tousle_edit::{EditList, StrandPath, measure};
+use tousle_field::{FieldLayer, FieldSequence, LayerKey, Scene};
+use tousle_pipeline::{ConvertOptions, Input, Silent, convert};
+use tousle_sim::{Method, SimOptions, Simulator};
+
+/// What is drawn, and on how much of which captures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DirectBenchOptions {
+    /// Names of captures; empty for all.
+    pub names: Vec<String>,
+    /// Drags a capture.
+    pub n_drags: usize,
+    /// Where the dice begin.
+    pub seed: u64,
+}
+
+impl Default for DirectBenchOptions {
+    /// Twenty drags on three captures.
+    fn default() -> Self {
+        let names = ["gusts_left", "steady_front", "turbulent_dirty"];
+        Self { names: names.map(str::to_owned).to_vec(), n_drags: 20, seed: 7 }
+    }
+}
+
+/// Draws drags on captures and makes them by both methods.
+///
+/// The captured wig itself is dragged ([`wig`]), in the field that the method `physical` measures of it. Progress is in
+/// drags.
+///
+/// # Errors
+/// [`BenchError`] with the capture and the stage that failed.
+pub fn run(
+    captures: &std::path::Path,
+    options: &DirectBenchOptions,
+    progress: &dyn Progress,
+) -> Result<DirectBenchReport, BenchError> {
+    let mut folders = CaptureFolder::all(captures)?;
+    if !options.names.is_empty() {
+        folders.retain(|folder| options.names.iter().any(|name| name == folder.name()));
+    }
+    let total = (folders.len() * options.n_drags) as u64;
+    let mut report = DirectBenchReport::default();
+    for folder in &folders {
+        let world = World::of(folder)?;
+        let fail = failed::<Failure>(folder.name(), "directing");
+        let live = live(folder.name(), &world.field, &world.scene, &world.groom);
+        report.live.extend(live.map_err(|error| fail(error.into()))?);
+        let watched = Watched::new(&world).map_err(&fail)?;
+        let mut dice = Dice::new(options.seed);
+        for k in 0..options.n_drags {
+            progress.at(report.rows.len() as u64, total);
+            let edits = drag(&mut dice, k, &world.scene, &world.groom, &watched.unedited);
+            report.rows.push(watched.row(folder.name(), &edits).map_err(&fail)?);
+        }
+    }
+    progress.at(total, total);
+    Ok(report)
+}
+
+/// A capture's field, its wig, and the other hairstyle.
+struct World {
+    field: FieldSequence,
+    scene: Scene,
+    groom: Groom,
+    style_b: Groom,
+    options: SimOptions,
+}
+
+impl World {
+    fn of(folder: &CaptureFolder) -> Result<Self, BenchError> {
+        let (csv, session) = (folder.csv()?, folder.session_bytes()?);
+        let [csv, session] =
+            [Input { name: "capture", bytes: &csv }, Input { name: "session", bytes: &session }];
+        let converted = convert(csv, session, &ConvertOptions::default(), &Silent)
+            .map_err(failed(folder.name(), "converting"))?;
+        let style_b = folder.style_b()?;
+        let groom = wig(&converted.prepared, &style_b.strands[0]);
+        let (field, scene) = (converted.eff.field, converted.eff.scene);
+        let options = SimOptions::of(Method::for_quantity(field.quantity));
+        Ok(Self { field, scene, groom, style_b, options })
+    }
+}
+
+type Failure = Box<dyn std::error::Error + Send + Sync>;
+
+/// A world that stays prepared.
+struct Watched<'a> {
+    world: &'a World,
+    simulator: Simulator<'a>,
+    style_b: Simulator<'a>,
+    unedited: StrandMotion,
+    unedited_b: StrandMotion,
+}
+
+impl<'a> Watched<'a> {
+    fn new(world: &'a World) -> Result<Self, Failure> {
+        let World { field, scene, groom, style_b, options } = world;
+        let simulator = Simulator::new(field, scene, groom, options)?;
+        let style_b = Simulator::new(field, scene, style_b, options)?;
+        let unedited = simulator.simulate(&[], &NoProgress)?.motion;
+        let unedited_b = style_b.simulate(&[], &NoProgress)?.motion;
+        Ok(Self { world, simulator, style_b, unedited, unedited_b })
+    }
+
+    fn row(&self, capture: &str, edits: &EditList) -> Result<DragRow, Failure> {
+        Ok(DragRow {
+            capture: capture.to_owned(),
+            edit: edits.edits[0].name.clone(),
+            paper: self.made(edits, EditMethod::Paper)?,
+            solved: self.made(edits, EditMethod::Physical)?,
+        })
+    }
+
+    fn made(&self, edits: &EditList, method: EditMethod) -> Result<MethodRow, Failure> {
+        let World { field, scene, groom, .. } = self.world;
+        let stage = Stage { simulator: &self.simulator, field, scene, groom };
+        let options = DirectOptions { method, ..DirectOptions::for_quantity(field.quantity) };
+        let watch = Stopwatch::start();
+        let made = apply(&stage, &[], &self.unedited, edits, &options)?;
+        let cost = watch.stop();
+        let after = self.simulator.simulate(&made.stack, &NoProgress)?.motion;
+        let effects = measure(&self.unedited, &after, groom, made.added())?;
+        let mut row = MethodRow::of_effects(&effects, cost, &edits.edits[0]);
+        let Made::Physical(outcome) = &made.report.edits[0] else { return Ok(row) };
+        row.unreachable = outcome.keys[0].unreachable.as_ref().map(ToString::to_string);
+        row.demanded = outcome.peaks_demanded;
+        row.strongest = outcome.strongest;
+        row.follows = self.follows(made.added(), &effects.edits[0].keys[0].key)?;
+        Ok(row)
+    }
+
+    /// How far the nearest strand of the other hairstyle goes along with an edit: its way as asked, over what was asked
+    /// of the dragged strand; `None` if none has a point within a third of the reach of the key's own strand.
+    fn follows(&self, layers: &[FieldLayer], key: &LayerKey) -> Result<Option<f64>, Failure> {
+        let edited = self.style_b.simulate(layers, &NoProgress)?.motion;
+        let strand = self.world.groom.strands.iter().position(|s| s.name == key.strand).unwrap_or_default();
+        let from = StrandPath::new(&self.unedited, strand).points_at(key.secs)[key.control_point];
+        let asked = key.target_m - from;
+        let mut nearest: Option<(f64, Vec3)> = None;
+        for s in 0..self.unedited_b.counts.len() {
+            let [before, after] =
+                [&self.unedited_b, &edited].map(|motion| StrandPath::new(motion, s).points_at(key.secs));
+            for (before, after) in before.iter().zip(&after) {
+                let distance_m = (before - from).norm();
+                if nearest.is_none_or(|(least, _)| distance_m < least) {
+                    nearest = Some((distance_m, after - before));
+                }
+            }
+        }
+        let near = nearest.filter(|(distance_m, _)| *distance_m < tousle_edit::DEFAULT_REACH_M / 3.0);
+        Ok(near.map(|(_, moved)| moved.dot(&asked) / asked.norm_squared()))
+    }
+}

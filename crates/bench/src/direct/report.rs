@@ -1,0 +1,228 @@
+use super::LiveRow;
+use crate::{Cell, Cost, Table};
+use tousle_edit::{Edit, EditEffects};
+
+/// Drags that were drawn, and what became of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DirectBenchReport {
+    /// One row a drag.
+    pub rows: Vec<DragRow>,
+    /// What it costs to run a hairstyle again.
+    pub live: Vec<LiveRow>,
+}
+
+/// One drag by both methods.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DragRow {
+    /// The capture's name.
+    pub capture: String,
+    /// The drag's.
+    pub edit: String,
+    /// By E4.
+    pub paper: MethodRow,
+    /// Solved for.
+    pub solved: MethodRow,
+}
+
+/// One drag by one method.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MethodRow {
+    /// What is dragged and when, in words.
+    pub what: String,
+    /// Distance from the target without and with the edit, mm.
+    pub residual_mm: (f64, f64),
+    /// Why it was not met, if it was not and the method knows.
+    pub unreachable: Option<String>,
+    /// Whether the motion before the first key is the same to the bit.
+    pub same_before: bool,
+    /// Peaks of acceleration and jerk over those of the unedited motion.
+    pub acceleration_ratio: f64,
+    /// The same of jerk.
+    pub jerk_ratio: f64,
+    /// Whether the key asks for more than the usual.
+    pub demanded: bool,
+    /// The longest extra vector; 0 where the method does not say.
+    pub strongest: f64,
+    /// How far strands moved that stayed 10 cm outside the reach, mm.
+    pub far_mm: f64,
+    /// How far the nearest strand of the other hairstyle goes along, as a share of what was asked.
+    pub follows: Option<f64>,
+    /// What it cost to make.
+    pub cost: Cost,
+}
+
+impl MethodRow {
+    /// A row of what an edit did.
+    pub(super) fn of_effects(effects: &EditEffects, cost: Cost, edit: &Edit) -> Self {
+        let (key, strand) = (&effects.edits[0].keys[0], &effects.edits[0].strands[0]);
+        let first_secs = edit.first.secs(None).unwrap_or_default();
+        let ratio = |change: tousle_edit::Change| change.after / change.before.max(1e-9);
+        Self {
+            what: format!(
+                "{} point {}, {first_secs:.2} to {:.2} s",
+                key.key.strand, key.key.control_point, key.key.secs
+            ),
+            residual_mm: (key.residual_mm.before, key.residual_mm.after),
+            unreachable: None,
+            same_before: effects.first_change_secs.is_none_or(|secs| secs > first_secs),
+            acceleration_ratio: ratio(strand.peak_acceleration),
+            jerk_ratio: ratio(strand.peak_jerk),
+            demanded: false,
+            strongest: 0.0,
+            far_mm: effects.most_moved_far.as_ref().map_or(0.0, |moved| moved.mm),
+            follows: None,
+            cost,
+        }
+    }
+}
+
+impl DirectBenchReport {
+    /// Median and worst distance from the key, and what else must hold, by capture.
+    pub fn summary(&self) -> Table {
+        let columns = [
+            "capture",
+            "drags",
+            "asked mm",
+            "E4 median mm",
+            "E4 worst",
+            "solved median mm",
+            "solved worst",
+            "within 1 mm",
+            "named unreachable",
+            "same before",
+            "acceleration ratio, worst",
+            "jerk ratio, worst",
+            "over 1.5 and not demanded",
+            "10 cm off, most mm",
+            "style B follows, median share",
+            "of",
+            "CPU s each",
+        ];
+        let mut table = Table::new("Drags", &columns);
+        let mut captures: Vec<&str> = self.rows.iter().map(|row| row.capture.as_str()).collect();
+        captures.dedup();
+        for capture in captures.iter().copied().map(Some).chain([None]) {
+            let rows: Vec<&DragRow> =
+                self.rows.iter().filter(|row| capture.is_none_or(|name| name == row.capture)).collect();
+            let of = |value: &dyn Fn(&DragRow) -> f64| {
+                let mut values: Vec<f64> = rows.iter().map(|row| value(row)).collect();
+                values.sort_by(f64::total_cmp);
+                values
+            };
+            let median = |values: &[f64]| values.get(values.len() / 2).copied();
+            let worst = |values: &[f64]| values.last().copied();
+            let count = |is_so: &dyn Fn(&DragRow) -> bool| {
+                Cell::number(rows.iter().filter(|row| is_so(row)).count() as f64, 0)
+            };
+            let paper = of(&|row| row.paper.residual_mm.1);
+            let solved = of(&|row| row.solved.residual_mm.1);
+            let mut follows: Vec<f64> = rows.iter().filter_map(|row| row.solved.follows).collect();
+            follows.sort_by(f64::total_cmp);
+            table.push(vec![
+                Cell::text(capture.unwrap_or("all")),
+                Cell::number(rows.len() as f64, 0),
+                Cell::maybe(median(&of(&|row| row.solved.residual_mm.0)), 1),
+                Cell::maybe(median(&paper), 1),
+                Cell::maybe(worst(&paper), 1),
+                Cell::maybe(median(&solved), 3),
+                Cell::maybe(worst(&solved), 2),
+                count(&|row| row.solved.residual_mm.1 <= 1.0),
+                count(&|row| row.solved.unreachable.is_some()),
+                count(&|row| row.solved.same_before),
+                Cell::maybe(worst(&of(&|row| row.solved.acceleration_ratio)), 2),
+                Cell::maybe(worst(&of(&|row| row.solved.jerk_ratio)), 2),
+                count(&|row| row.solved.is_violent() && !row.solved.demanded),
+                Cell::maybe(worst(&of(&|row| row.solved.far_mm)), 3),
+                Cell::maybe(median(&follows), 2),
+                Cell::number(follows.len() as f64, 0),
+                Cell::maybe(median(&of(&|row| row.solved.cost.cpu_secs.unwrap_or_default())), 2),
+            ]);
+        }
+        table
+    }
+
+    /// Every drag.
+    pub fn drags(&self) -> Table {
+        let columns = [
+            "capture",
+            "drag",
+            "what",
+            "asked mm",
+            "E4 mm",
+            "solved mm",
+            "unreachable",
+            "acceleration ratio",
+            "jerk ratio",
+            "demanded",
+            "strongest m/s",
+            "10 cm off mm",
+            "style B follows",
+            "wall s",
+            "CPU s",
+        ];
+        let mut table = Table::new("Each drag", &columns);
+        for row in &self.rows {
+            let solved = &row.solved;
+            table.push(vec![
+                Cell::text(&row.capture),
+                Cell::text(&row.edit),
+                Cell::text(&solved.what),
+                Cell::number(solved.residual_mm.0, 1),
+                Cell::number(row.paper.residual_mm.1, 1),
+                Cell::number(solved.residual_mm.1, 3),
+                Cell::text(solved.unreachable.clone().unwrap_or_default()),
+                Cell::number(solved.acceleration_ratio, 2),
+                Cell::number(solved.jerk_ratio, 2),
+                Cell::text(if solved.demanded { "yes" } else { "" }),
+                Cell::number(solved.strongest, 1),
+                Cell::number(solved.far_mm, 3),
+                Cell::maybe(solved.follows, 2),
+                Cell::number(solved.cost.wall_secs, 3),
+                Cell::maybe(solved.cost.cpu_secs, 3),
+            ]);
+        }
+        table
+    }
+
+    /// What it costs to run a hairstyle again.
+    pub fn live_table(&self) -> Table {
+        let columns = [
+            "capture",
+            "method",
+            "strands",
+            "points",
+            "seconds",
+            "prepare ms",
+            "again ms",
+            "again CPU ms",
+            "from the middle ms",
+        ];
+        let mut table = Table::new("A resident simulation", &columns);
+        for row in &self.live {
+            table.push(vec![
+                Cell::text(&row.capture),
+                Cell::text(row.method),
+                Cell::number(row.size.0 as f64, 0),
+                Cell::number(row.size.1 as f64, 0),
+                Cell::number(row.simulated_secs, 1),
+                Cell::number(row.prepare.wall_secs * 1e3, 1),
+                Cell::number(row.again.wall_secs * 1e3, 1),
+                Cell::maybe(row.again.cpu_secs.map(|secs| secs * 1e3), 1),
+                Cell::number(row.later.wall_secs * 1e3, 1),
+            ]);
+        }
+        table
+    }
+
+    /// All of it as text.
+    pub fn to_text(&self) -> String {
+        [self.summary(), self.drags(), self.live_table()].map(|table| table.to_text()).join("\n")
+    }
+}
+
+impl MethodRow {
+    /// Whether the strand moves more violently than it may.
+    pub fn is_violent(&self) -> bool {
+        f64::max(self.acceleration_ratio, self.jerk_ratio) > 1.5
+    }
+}

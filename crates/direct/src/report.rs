@@ -1,0 +1,90 @@
+use serde::Serialize;
+use tousle_edit::{Change, EditOutcome, Unreachable};
+use tousle_field::LayerKey;
+
+/// What each edit became.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct DirectReport {
+    /// One entry a drag, in the list's order.
+    pub edits: Vec<Made>,
+}
+
+/// What an edit became, by the method that made it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "method", rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Made {
+    /// E4.
+    Paper(EditOutcome),
+    /// Solved for.
+    Physical(SolvedOutcome),
+}
+
+/// What a solved drag became.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SolvedOutcome {
+    /// The edit's name.
+    pub name: String,
+    /// Its id, which its layers name.
+    pub edit_id: String,
+    /// Whether its layers do nothing for now.
+    pub muted: bool,
+    /// Before this time nothing changes, s.
+    pub first_secs: f64,
+    /// From this time on the field is as it was, s.
+    pub last_secs: f64,
+    /// How near each key is met by the layers as they are stored, in order of time.
+    pub keys: Vec<KeyOutcome>,
+    /// The longest extra vector, in the field's quantity.
+    pub strongest: f64,
+    /// The largest acceleration of the dragged strands over that of their unedited motion, and the same of jerk.
+    pub acceleration_ratio: f64,
+    /// The same of jerk.
+    pub jerk_ratio: f64,
+    /// Whether that is what the keys ask for: the smoothest way there from the unedited motion already does more.
+    pub peaks_demanded: bool,
+    /// How often strands were simulated for it.
+    pub n_runs: usize,
+    /// How many layers it has, and how many handles in all.
+    pub n_layers: usize,
+    /// How many handles they have in all.
+    pub n_handles: usize,
+}
+
+/// How near a key is met.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct KeyOutcome {
+    /// What should be where, and when.
+    #[serde(flatten)]
+    pub key: LayerKey,
+    /// The distance from there without and with the edit, mm.
+    pub residual_mm: Change,
+    /// Why it is not met to within the tolerance, if it is not.
+    pub unreachable: Option<Unreachable>,
+}
+
+impl Made {
+    /// The keys that are not met, and why.
+    pub fn unreachable(&self) -> Vec<&Unreachable> {
+        match self {
+            Self::Paper(outcome) => outcome.unreachable.iter().collect(),
+            Self::Physical(outcome) => outcome.keys.iter().filter_map(|k| k.unreachable.as_ref()).collect(),
+        }
+    }
+
+    /// The edit's id.
+    pub fn edit_id(&self) -> &str {
+        match self {
+            Self::Paper(outcome) => &outcome.layer_id,
+            Self::Physical(outcome) => &outcome.edit_id,
+        }
+    }
+
+    /// The edit's name.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Paper(outcome) => &outcome.name,
+            Self::Physical(outcome) => &outcome.name,
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! Drags on small worlds: met, smooth, and out of reach.
+
+use tousle_bench::worlds::{groom, mannequin, straight, uniform};
+use tousle_core::{Groom, NoProgress, Quantity, StrandMotion, Vec3};
+use tousle_direct::{DirectOptions, Directed, EditMethod, Made, SolvedOutcome, Stage, apply};
+use tousle_edit::{Unreachable, measure, read_edits};
+use tousle_field::{FieldSequence, Scene};
+use tousle_sim::{Method, SimOptions, Simulator};
+
+/// A breeze that swings for 3 s.
+fn breeze(quantity: Quantity) -> FieldSequence {
+    let gust = |k: i32| Vec3::new(-2.0, 1.5 * libm::sin(0.2 * f64::from(k)), 0.3);
+    uniform(quantity, 30.0, &(0..91).map(gust).collect::<Vec<_>>())
+}
+
+/// Locks on the back of a mannequin's head, clear of it.
+fn locks() -> Groom {
+    let lock = |k: i32| {
+        let y = 0.05 * f64::from(k) - 0.05;
+        straight(Vec3::new(-0.14, y, 0.02), Vec3::new(-0.3, 0.0, -1.0), 0.22, 12)
+    };
+    let mut strands: Vec<_> = (0..3).map(lock).collect();
+    for (strand, name) in strands.iter_mut().zip(["A", "B", "C"]) {
+        strand.name = name.into();
+    }
+    groom(strands)
+}
+
+struct World {
+    field: FieldSequence,
+    scene: Scene,
+    groom: Groom,
+    options: SimOptions,
+}
+
+impl World {
+    fn new(quantity: Quantity) -> Self {
+        let options = SimOptions::of(Method::for_quantity(quantity));
+        Self { field: breeze(quantity), scene: mannequin(), groom: locks(), options }
+    }
+
+    /// The edits by a method, and the motion without and with them.
+    fn directed(&self, toml: &str, method: EditMethod) -> (Directed, StrandMotion, StrandMotion) {
+        let Self { field, scene, groom, options } = self;
+        let simulator = Simulator::new(field, scene, groom, options).unwrap();
+        let stage = Stage { simulator: &simulator, field, scene, groom };
+        let before = simulator.simulate(&[], &NoProgress).unwrap().motion;
+        let edits = read_edits(toml.as_bytes()).unwrap();
+        let options = DirectOptions { method, ..DirectOptions::for_quantity(field.quantity) };
+        let directed = apply(&stage, &[], &before, &edits, &options).unwrap();
+        let after = simulator.simulate(&directed.stack, &NoProgress).unwrap().motion;
+        (directed, before, after)
+    }
+}
+
+fn solved(directed: &Directed) -> &SolvedOutcome {
+    let [Made::Physical(outcome)] = &directed.report.edits[..] else { panic!("{:?}", directed.report) };
+    outcome
+}
+
+const PULL: &str = "\
+[[edit]]
+name = \"pull\"
+strand = \"B\"
+control_point = \"tip\"
+first_secs = 1.0
+second_secs = 1.5
+offset_m = [0.0, -0.04, -0.01]
+";
+
+/// Met to a millimeter where E4 is centimeters off; the same figures from the motion of all strands.
+#[test]
+fn a_key_is_met() {
+    for quantity in [Quantity::AirVelocity, Quantity::ForcePerMass] {
+        let world = World::new(quantity);
+        let (directed, before, after) = world.directed(PULL, EditMethod::Physical);
+        let outcome = solved(&directed);
+        let key = &outcome.keys[0];
+        assert!(key.unreachable.is_none() && key.residual_mm.after < 1.0, "{outcome:#?}");
+        let effects = measure(&before, &after, &world.groom, directed.added()).unwrap();
+        let measured = effects.edits[0].keys[0].residual_mm;
+        assert!((measured.after - key.residual_mm.after).abs() < 0.01, "{measured:?}");
+        assert!(effects.first_change_secs.is_some_and(|secs| secs > 1.0));
+        let (paper, before, after) = world.directed(PULL, EditMethod::Paper);
+        let effects = measure(&before, &after, &world.groom, paper.added()).unwrap();
+        eprintln!(
+            "{quantity:?}: E4 {:.1} mm, solved {:.3} mm; acceleration x {:.2}, jerk x {:.2}; {} runs, {} handles",
+            effects.edits[0].keys[0].residual_mm.after,
+            measured.after,
+            outcome.acceleration_ratio,
+            outcome.jerk_ratio,
+            outcome.n_runs,
+            outcome.n_handles,
+        );
+    }
+}
+
+/// Two points of one strand at one time, and another strand later.
+#[test]
+fn several_keys_are_met_together() {
+    let toml = format!(
+        "{PULL}
+[[edit.also]]
+control_point = 6
+offset_m = [0.0, -0.015, 0.0]
+[[edit.also]]
+strand = \"A\"
+secs = 1.8
+offset_m = [0.02, 0.02, 0.0]
+"
+    );
+    let (directed, ..) = World::new(Quantity::AirVelocity).directed(&toml, EditMethod::Physical);
+    let outcome = solved(&directed);
+    for key in &outcome.keys {
+        assert!(key.residual_mm.after < 1.0, "{outcome:#?}");
+    }
+}
+
+#[test]
+fn what_is_out_of_reach_is_said_and_aimed_at() {
+    let toml = PULL.replace("offset_m = [0.0, -0.04, -0.01]", "target_m = [-0.14, 0.25, 0.02]");
+    let (directed, ..) = World::new(Quantity::AirVelocity).directed(&toml, EditMethod::Physical);
+    let key = &solved(&directed).keys[0];
+    let Some(Unreachable::TooFar { by_mm }) = key.unreachable else { panic!("{key:?}") };
+    // 220 mm of lock from a root 250 mm away.
+    assert!((by_mm - 30.0).abs() < 0.1, "{by_mm}");
+    assert!(key.residual_mm.after < 0.7 * key.residual_mm.before, "{key:?}");
+}
