@@ -31,7 +31,7 @@ use tousle_sim::{Method, SimOptions};
 pub struct MeasureRow {
     /// The capture's name.
     pub capture: String,
-    /// What is varied: `method`, `dirt`, `voxel`, `rate`, `markers`, `locks`, `noise`, `gaps`.
+    /// What is varied: `method`, `dirt`, `choice`, `voxel`, `rate`, `refine`, `markers`, `locks`, `noise`, `gaps`.
     pub varied: &'static str,
     /// The setting in words.
     pub setting: String,

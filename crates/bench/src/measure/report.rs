@@ -101,7 +101,7 @@ impl MeasureReport {
         table
     }
 
-    /// Stated against found uncertainty where hair was: one curve a capture, and the bell that would be right.
+    /// Stated against found uncertainty where hair was: one curve a capture, without the closed loop, and the bell that would be right.
     pub fn calibration_plot(&self) -> Plot {
         let series = |name: &str, shares: &[f64]| Series {
             points: Calibration::TIMES.iter().zip(shares).map(|(z, share)| [*z, *share]).collect(),
@@ -110,7 +110,7 @@ impl MeasureReport {
         };
         let of_row = |row: &MeasureRow| {
             let calibration = row.calibration.as_ref().filter(|_| row.varied == "method")?;
-            Some(series(&row.capture, &calibration.within[0]))
+            row.refined.is_none().then(|| series(&row.capture, &calibration.within[0]))
         };
         let bell = series("a bell", &Calibration::of_a_bell());
         let axis = |label: &str| Axis { label: label.to_owned(), ..Axis::default() };

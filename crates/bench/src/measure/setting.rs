@@ -41,6 +41,10 @@ impl Setting {
         let rate = |hz: f64| Self { rate_hz: hz, ..Self::of("rate", format!("{hz:.0} Hz"), Worse::Not) };
         let mut settings: Vec<Self> = [10.0, 30.0, 60.0].map(edge).into();
         settings.extend([15.0, 60.0].map(rate));
+        settings.extend([1, 4].map(|rounds| Self {
+            refine: Some(RefineOptions { rounds, ..RefineOptions::default() }),
+            ..Self::of("refine", format!("at most {rounds} rounds"), Worse::Not)
+        }));
         let with = |varied, words: &str, worse| Self::of(varied, words.to_owned(), worse);
         settings.extend([
             with("markers", "every second of a lock", Worse::EverySecondMarker),

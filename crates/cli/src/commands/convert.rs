@@ -89,6 +89,7 @@ pub fn summary(report: &ConversionReport) -> String {
             (low, values.iter().copied().fold(low, f64::max))
         };
         let stiffness = range(found.locks.iter().map(|lock| lock.stiffness_n_m2 * 1e6).collect());
+        let learnt = report.refine.as_ref().is_some_and(|refined| refined.kept > 0);
         let drag = range(found.locks.iter().map(|lock| lock.drag_scale).collect());
         line(
             "air",
@@ -102,12 +103,13 @@ pub fn summary(report: &ConversionReport) -> String {
         line(
             "locks",
             format!(
-                "{} explained; found stiffness {:.1} to {:.1} 10⁻⁶ N·m², drag {:.2} to {:.2} of that by width",
+                "{} explained; stiffness {:.1} to {:.1} 10⁻⁶ N·m², drag {:.2} to {:.2} of that by width ({})",
                 found.locks.len(),
                 stiffness.0,
                 stiffness.1,
                 drag.0,
-                drag.1
+                drag.1,
+                if learnt { "learnt from the simulated wig" } else { "what is likely; --refine learns it" },
             ),
         );
         for warning in &found.warnings {

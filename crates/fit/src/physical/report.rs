@@ -23,14 +23,14 @@ pub struct PhysicalReport {
     pub left_over: f64,
 }
 
-/// What was found of one lock.
+/// What is taken for known of one lock.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LockFound {
     /// Its name.
     pub name: String,
-    /// Its bending stiffness, N·m².
+    /// Its bending stiffness, N·m²: as taught by a simulation of the wig, or that of as many hairs as weigh so much.
     pub stiffness_n_m2: f64,
-    /// Its drag over that of its measured width.
+    /// Its drag over that of its measured width; 1 unless a simulation taught it.
     pub drag_scale: f64,
     /// Share of steps in which the body bears it.
     pub touches: f64,
