@@ -82,7 +82,7 @@ fn window(files: Files, opened: Opened) -> anyhow::Result<()> {
 /// What a person can do about a window that does not open.
 fn in_words(error: &eframe::Error) -> anyhow::Error {
     let advice = match error {
-        eframe::Error::Wgpu(WgpuError::RequestAdapterError(_)) => {
+        eframe::Error::Wgpu(WgpuError::RequestAdapterError(_) | WgpuError::CreateSurfaceError(_)) => {
             "no graphics card with Vulkan, Metal or Direct3D 12 was found; without one, Mesa's software Vulkan will do \
              (Debian and Ubuntu: apt install mesa-vulkan-drivers)"
         }

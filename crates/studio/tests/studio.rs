@@ -218,6 +218,22 @@ fn what_was_not_saved_is_offered_again() {
 }
 
 #[test]
+fn another_field_is_opened_in_place_of_this_one() {
+    let [world, other] = [(); 2].map(|()| world());
+    let mut window = Window::open(&world.files, SIZE);
+    with_a_lock_chosen(&mut window);
+    window.press(Modifiers::COMMAND, Key::O);
+    window.write("Field", "nowhere.eff.mcap");
+    window.press(Modifiers::NONE, Key::Enter);
+    assert!(window.studio().error().unwrap().contains("cannot read nowhere.eff.mcap"));
+    window.press(Modifiers::COMMAND, Key::O);
+    window.write("Field", &other.files.field.display().to_string());
+    window.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(window.studio().document.source.field_path, other.files.field);
+    assert!(window.studio().chosen_strand.is_none() && window.studio().motion().is_some());
+}
+
+#[test]
 fn the_motion_is_exported() {
     let world = world();
     let mut window = Window::open(&world.files, SIZE);
