@@ -20,7 +20,7 @@ use eframe::egui_wgpu::RenderState;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use tousle_core::StrandMotion;
-use tousle_edit::EditOutcome;
+use tousle_direct::Made;
 use tousle_field::FieldLayer;
 
 /// The editor.
@@ -78,7 +78,7 @@ pub(crate) struct Shown {
     /// The motion without the chosen edit.
     pub without: Option<Arc<StrandMotion>>,
     /// What became of the edits that were made in this window, by their ids.
-    pub outcomes: BTreeMap<String, EditOutcome>,
+    pub outcomes: BTreeMap<String, Made>,
     /// How long it took, s.
     pub took_secs: f64,
 }

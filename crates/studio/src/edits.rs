@@ -3,7 +3,7 @@
 use crate::instant;
 use crate::solve::Wanted;
 use tousle_core::{Groom, StrandMotion, Vec3};
-use tousle_edit::{Action, ControlPoint, DEFAULT_REACH_M, Drag, Edit, KeyTime, Target};
+use tousle_edit::{Action, ControlPoint, DEFAULT_REACH_M, Drag, Edit, Key, KeyTime, Target};
 use tousle_field::{Ease, FieldLayer, LayerOrigin};
 
 /// One edit of a stack.
@@ -25,6 +25,8 @@ pub struct StackedEdit {
     pub reach_m: f64,
     /// What it pulls; `None` for an edit of the wind itself.
     pub pull: Option<Pull>,
+    /// What else it pulls: `tousle edit` can ask for several points at once.
+    pub also: Vec<Pull>,
     /// Which method made it.
     pub method: String,
 }
@@ -60,8 +62,12 @@ pub fn edits(stack: &[FieldLayer]) -> Vec<StackedEdit> {
 pub fn edit(stack: &[FieldLayer], id: &str) -> Option<StackedEdit> {
     let layers: Vec<&FieldLayer> = stack.iter().filter(|layer| layer.edit_id() == id).collect();
     let first = *layers.first()?;
+    let asked_first = match &first.origin {
+        LayerOrigin::Keys { first_secs, .. } => *first_secs,
+        _ => f64::INFINITY,
+    };
     let span_secs = [
-        layers.iter().map(|layer| layer.first_secs).fold(f64::INFINITY, f64::min),
+        layers.iter().map(|layer| layer.first_secs).fold(asked_first, f64::min),
         layers.iter().map(|layer| layer.last_secs).fold(f64::NEG_INFINITY, f64::max),
     ];
     let method = match &first.origin {
@@ -69,7 +75,7 @@ pub fn edit(stack: &[FieldLayer], id: &str) -> Option<StackedEdit> {
         LayerOrigin::Wind { action } => action.clone(),
         LayerOrigin::Mirrored { of, .. } => format!("{of} mirrored"),
     };
-    let pull = first.keys().into_iter().next().map(|key| Pull {
+    let mut pulls = first.keys().into_iter().map(|key| Pull {
         strand: key.strand,
         point: key.control_point,
         secs: key.secs,
@@ -83,7 +89,8 @@ pub fn edit(stack: &[FieldLayer], id: &str) -> Option<StackedEdit> {
         presence: presence(&layers, span_secs),
         ease: first.ease,
         reach_m: first.handles.first().map_or(DEFAULT_REACH_M, |handle| handle.reach_m),
-        pull,
+        pull: pulls.next(),
+        also: pulls.collect(),
         method,
     })
 }
@@ -113,6 +120,18 @@ pub fn put(stack: &[FieldLayer], replaces: Option<&str>, layers: Vec<FieldLayer>
     others
 }
 
+impl Pull {
+    /// The pull as an edit asks for it.
+    fn key(&self) -> Key {
+        Key {
+            strand: self.strand.clone(),
+            control_point: ControlPoint::Index(self.point as u32),
+            time: KeyTime::Secs(self.secs),
+            target: Target::At(self.target_m),
+        }
+    }
+}
+
 impl StackedEdit {
     /// What it was made from, to be made again with something changed; `None` for an edit of the wind itself.
     pub fn wanted_again(&self) -> Option<Wanted> {
@@ -122,7 +141,7 @@ impl StackedEdit {
             control_point: ControlPoint::Index(point as u32),
             target: Target::At(target_m),
             reach_m: self.reach_m,
-            also: Vec::new(),
+            also: self.also.iter().map(Pull::key).collect(),
         };
         let edit = Edit {
             name: self.name.clone(),

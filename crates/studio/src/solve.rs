@@ -1,8 +1,9 @@
 //! The one place where a wanted edit becomes layers: what stands behind it can change here and nowhere else.
 
-use tousle_core::{Groom, StrandMotion};
-use tousle_edit::{Edit, EditError, EditList, EditOptions, EditOutcome};
-use tousle_field::{FieldLayer, FieldSequence, Scene};
+use tousle_core::StrandMotion;
+use tousle_direct::{DirectError, DirectOptions, Drag, EditMethod, Made, SolvedOutcome, Stage};
+use tousle_edit::{Action, DEFAULT_REACH_M, Edit, EditList, find_keys, free_id, make_layers_on};
+use tousle_field::FieldLayer;
 
 /// An edit that the stack should have.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,28 +22,64 @@ pub struct Solved {
     /// Its layers.
     pub layers: Vec<FieldLayer>,
     /// What became of what was asked for.
-    pub outcome: EditOutcome,
+    pub outcome: Made,
 }
 
-/// Makes the layers of a wanted edit.
+/// Makes the layers of a wanted edit: solved for in a field of wind, by the paper's E4 in one of forces.
 ///
-/// In: the field with the other layers of the stack, what it blows around, the groom, and the motion that the groom
-/// has in this field.
+/// In: what is simulated, the other layers of the stack, the motion that the groom has under them, and the edit.
+/// `warm`: the last answer, from which a drag that goes on begins, and which is replaced by the new one.
 ///
 /// # Errors
-/// [`EditError`] if the edit names what is not there.
+/// [`DirectError`] if the edit names what is not there or cannot be simulated.
 pub fn solve(
-    field: &FieldSequence,
-    scene: &Scene,
-    groom: &Groom,
+    stage: &Stage<'_>,
+    others: &[FieldLayer],
     motion: &StrandMotion,
     wanted: &Wanted,
-) -> Result<Solved, EditError> {
+    warm: &mut Option<tousle_direct::Solved>,
+) -> Result<Solved, DirectError> {
+    let taken: Vec<String> = others.iter().map(|layer| layer.edit_id().to_owned()).collect();
+    let id = wanted.replaces.clone().unwrap_or_else(|| free_id(&wanted.edit.name, &taken));
     let list = EditList { edits: vec![wanted.edit.clone()], ..EditList::new() };
-    let mut made = tousle_edit::make_layers(field, scene, groom, motion, &list, &EditOptions::default())?;
-    let (mut layer, mut outcome) = (made.layers.remove(0), made.report.edits.remove(0));
-    if let Some(id) = &wanted.replaces {
-        (layer.id, outcome.layer_id) = (id.clone(), id.clone());
+    let options = DirectOptions::for_quantity(stage.field.quantity);
+    if options.method == EditMethod::Paper {
+        let Stage { field, scene, groom, .. } = stage;
+        let mut made = make_layers_on(field, others, scene, groom, motion, &list, &options.paper)?;
+        made.layers.iter_mut().for_each(|layer| layer.id.clone_from(&id));
+        // One edit was asked for, so there is one outcome.
+        let outcome = Made::Paper(made.report.edits.remove(0));
+        return Ok(Solved { id, layers: made.layers, outcome });
     }
-    Ok(Solved { id: layer.id.clone(), layers: vec![layer], outcome })
+    list.check()?;
+    let reach_m = match &wanted.edit.action {
+        Action::Drag(asked) => asked.reach_m,
+        _ => DEFAULT_REACH_M,
+    };
+    let keys = find_keys(&list, 1, stage.groom, motion)?;
+    let drag = Drag {
+        name: wanted.edit.name.clone(),
+        edit_id: id.clone(),
+        muted: wanted.edit.muted,
+        first_secs: wanted.edit.first.secs(None).unwrap_or_default(),
+        keys,
+        reach_m,
+    };
+    let before = warm.as_ref().filter(|before| is_same_drag(before, &drag, stage));
+    let solved = tousle_direct::solve(stage, others, &drag, before, &options)?;
+    let (layers, outcome) = (solved.layers.clone(), Made::Physical(solved.outcome.clone()));
+    *warm = Some(solved);
+    Ok(Solved { id, layers, outcome })
+}
+
+/// Whether an answer is of the same points at the same times, and only the targets may differ.
+fn is_same_drag(before: &tousle_direct::Solved, drag: &Drag, stage: &Stage<'_>) -> bool {
+    let SolvedOutcome { first_secs, keys, .. } = &before.outcome;
+    *first_secs == drag.first_secs
+        && keys.len() == drag.keys.len()
+        && keys.iter().zip(&drag.keys).all(|(a, b)| {
+            a.key.strand == stage.groom.strands[b.strand_idx].name
+                && a.key.control_point == b.control_point
+                && a.key.secs == b.secs
+        })
 }

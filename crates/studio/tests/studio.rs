@@ -8,7 +8,7 @@ use common::{Window, layers_in, world};
 use eframe::egui::{Key, Modifiers, vec2};
 use egui_kittest::{SnapshotOptions, try_image_snapshot_options};
 use std::sync::Arc;
-use tousle_field::LayerOrigin;
+use tousle_studio::edits::{StackedEdit, edits};
 use tousle_studio::files::autosave_path;
 
 const SIZE: [f32; 2] = [1100.0, 720.0];
@@ -21,6 +21,13 @@ fn with_a_lock_chosen(window: &mut Window) {
     studio.camera.pitch = 0.0;
     studio.chosen_strand = Some(3);
     window.settle();
+}
+
+/// The edit on the stack, if it is the only one.
+fn only_edit(window: &Window) -> StackedEdit {
+    let mut edits = edits(window.studio().document.stack());
+    assert_eq!(edits.len(), 1);
+    edits.remove(0)
 }
 
 /// Pulls the chosen lock's tip.
@@ -68,8 +75,6 @@ fn everything_has_a_name() {
         "First key",
         "Second key",
         "Reach",
-        "Ease in",
-        "Ease out",
         "First key of Pull L03",
         "Second key of Pull L03",
         "Target of Pull L03",
@@ -101,14 +106,14 @@ fn a_drag_makes_an_edit_that_is_undone_and_redone() {
     pull(&mut window);
 
     let stack = window.studio().document.stack().to_vec();
-    let [layer] = stack.as_slice() else { panic!("{} layers", stack.len()) };
-    let LayerOrigin::Drag { strand, control_point, target_m, .. } = &layer.origin;
-    assert_eq!((strand.as_str(), *control_point), ("L03", 8));
-    assert!((layer.first_secs - 0.5).abs() < 0.02 && (layer.last_secs - 1.0).abs() < 0.02);
+    let edit = only_edit(&window);
+    let pull = edit.pull.unwrap();
+    assert_eq!((pull.strand.as_str(), pull.point), ("L03", 8));
+    assert!((edit.span_secs[0] - 0.5).abs() < 0.02 && (pull.secs - 1.0).abs() < 0.02);
     let at_key = before.strand(60, 3)[8].map(f64::from);
-    let unedited_mm = (target_m - tousle_core::Vec3::from(at_key)).norm() * 1e3;
-    let residual_mm = window.studio().residual_mm(&layer.id).unwrap();
-    assert!(residual_mm < 0.8 * unedited_mm, "{unedited_mm} mm before, {residual_mm} mm after");
+    let unedited_mm = (pull.target_m - tousle_core::Vec3::from(at_key)).norm() * 1e3;
+    let residual_mm = window.studio().residual_mm(&edit.id).unwrap();
+    assert!(unedited_mm > 20.0 && residual_mm < 1.0, "{unedited_mm} mm before, {residual_mm} mm after");
 
     // Until the first key the motion is what it was, to the bit.
     let after = window.studio().motion().unwrap().clone();
@@ -154,18 +159,16 @@ fn keys_and_targets_can_be_dragged() {
     let mut window = Window::open(&world.files, SIZE);
     with_a_lock_chosen(&mut window);
     pull(&mut window);
-    let target = |window: &Window| {
-        let LayerOrigin::Drag { target_m, .. } = window.studio().document.stack()[0].origin;
-        target_m
-    };
+    let target = |window: &Window| only_edit(window).pull.unwrap().target_m;
     let aimed = target(&window);
     let at = window.place("Target of Pull L03");
     window.drag(at, vec2(0.0, 20.0));
     assert!(target(&window).z < aimed.z - 0.005, "{aimed} {}", target(&window));
     let key = window.place("First key of Pull L03");
     window.drag(key, vec2(-60.0, 0.0));
-    let layer = &window.studio().document.stack()[0];
-    assert!(layer.first_secs < 0.45 && (layer.last_secs - 1.0).abs() < 0.02, "{}", layer.first_secs);
+    let edit = only_edit(&window);
+    let second = edit.pull.unwrap().secs;
+    assert!(edit.span_secs[0] < 0.45 && (second - 1.0).abs() < 0.02, "{:?}", edit.span_secs);
     assert_eq!(window.studio().document.undo_label(), Some("move a key of Pull L03"));
 }
 

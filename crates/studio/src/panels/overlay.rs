@@ -19,7 +19,7 @@ pub fn show(ui: &Ui, studio: &Studio, place: &Place) {
     let groom = &studio.document.groom;
     let (Some(pull), Some(strand_idx)) = (&edit.pull, edit.strand_idx(groom)) else { return };
     let painter = ui.painter_at(place.rect);
-    let span = [edit.span_secs[0] - MARGIN_SECS, pull.secs + MARGIN_SECS];
+    let span = [edit.span_secs[0] - MARGIN_SECS, edit.span_secs[1] + MARGIN_SECS];
     let way = |motion: &StrandMotion| -> Vec<Pos2> {
         let places = instant::way(motion, strand_idx, pull.point, span);
         places.into_iter().filter_map(|p| place.at(p)).collect()

@@ -3,10 +3,12 @@
 use super::sign::{Sign, sign_button};
 use super::widgets::{heading, muted, number};
 use crate::app::Studio;
+use crate::edits::StackedEdit;
 use crate::solve::Wanted;
 use crate::theme;
 use eframe::egui::{DragValue, Response, RichText, TextEdit, Ui};
 use std::ops::RangeInclusive;
+use tousle_direct::Made;
 use tousle_edit::{Action, KeyTime};
 
 pub fn show(ui: &mut Ui, studio: &mut Studio) {
@@ -19,8 +21,10 @@ pub fn show(ui: &mut Ui, studio: &mut Studio) {
     let is_of_it = |wanted: &&Wanted| wanted.replaces.as_ref() == Some(&edit.id);
     let pending = studio.pending().filter(is_of_it).cloned();
     let Some(mut wanted) = pending.or_else(|| edit.wanted_again()) else { return };
-    let changed =
-        [keys(ui, studio, &mut wanted), shape(ui, &mut wanted)].into_iter().max().unwrap_or_default();
+    let changed = [keys(ui, studio, &mut wanted), reach(ui, &mut wanted), ease(ui, &edit, &mut wanted)]
+        .into_iter()
+        .max()
+        .unwrap_or_default();
     match changed {
         Change::None => {}
         Change::GoesOn => studio.want(wanted, None),
@@ -105,20 +109,28 @@ fn key_row(
     .inner
 }
 
-fn shape(ui: &mut Ui, wanted: &mut Wanted) -> Change {
+fn reach(ui: &mut Ui, wanted: &mut Wanted) -> Change {
     let Action::Drag(drag) = &mut wanted.edit.action else { return Change::None };
     let mut reach_mm = drag.reach_m * 1e3;
-    let reach =
-        number(ui, "Reach", DragValue::new(&mut reach_mm).range(20.0..=300.0).speed(0.5).suffix(" mm"))
-            .on_hover_text("how far from the strand's way the edit has faded to nothing");
+    let value = DragValue::new(&mut reach_mm).range(20.0..=300.0).speed(0.5).suffix(" mm");
+    let response = number(ui, "Reach", value)
+        .on_hover_text("how far from the strand's way the edit has faded to nothing");
+    drag.reach_m = reach_mm / 1e3;
+    change(&response)
+}
+
+/// How the pull comes and goes, where that is chosen and not solved for.
+fn ease(ui: &mut Ui, edit: &StackedEdit, wanted: &mut Wanted) -> Change {
+    if edit.method != tousle_edit::METHOD {
+        return Change::None;
+    }
     let ease = &mut wanted.edit.ease;
     let (mut rise, mut fall) = (ease.rise * 100.0, ease.fall * 100.0);
     let (most_rise, most_fall) = (100.0 - fall, 100.0 - rise);
     let a = number(ui, "Ease in", percent(&mut rise, most_rise));
     let b = number(ui, "Ease out", percent(&mut fall, most_fall));
-    let changed = [&reach, &a, &b].map(change).into_iter().max().unwrap_or_default();
+    let changed = change(&a).max(change(&b));
     if changed != Change::None {
-        drag.reach_m = reach_mm / 1e3;
         (ease.rise, ease.fall) = (rise / 100.0, f64::min(fall / 100.0, 1.0 - rise / 100.0));
     }
     changed
@@ -135,15 +147,25 @@ fn outcome(ui: &mut Ui, studio: &Studio, id: &str) {
         ui.label(RichText::new(text).color(theme::WARM));
     }
     let Some(outcome) = studio.shown.outcomes.get(id) else { return };
-    muted(ui, format!("asked to move {:.1} mm", outcome.asked_mm));
-    if let Some(why) = &outcome.unreachable {
+    if let Some(asked_mm) = asked_mm(outcome) {
+        muted(ui, format!("asked to move {asked_mm:.1} mm"));
+    }
+    for why in outcome.unreachable() {
         ui.label(RichText::new(format!("out of reach: {why}")).color(theme::BAD));
     }
-    if outcome.along_lock > 0.5 {
-        let text = format!(
-            "{:.0} % of the pull is along the lock, where wind has no hold",
-            outcome.along_lock * 100.0
-        );
-        muted(ui, text);
+    if let Made::Paper(outcome) = outcome
+        && outcome.along_lock > 0.5
+    {
+        let percent = outcome.along_lock * 100.0;
+        muted(ui, format!("{percent:.0} % of the pull is along the lock, where wind has no hold"));
+    }
+}
+
+/// How far the target is from where the point was.
+fn asked_mm(outcome: &Made) -> Option<f64> {
+    match outcome {
+        Made::Paper(outcome) => Some(outcome.asked_mm),
+        Made::Physical(outcome) => outcome.keys.first().map(|key| key.residual_mm.before),
+        _ => None,
     }
 }

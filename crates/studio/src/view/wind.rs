@@ -141,8 +141,8 @@ impl<'a> Wind<'a> {
     }
 
     fn vector(&self, point_m: Vec3) -> Vec3 {
-        let layers = self.layers.iter().map(|(layer, presence)| layer.extra_at(point_m) * *presence);
-        self.slice.sample(point_m) + layers.sum::<Vec3>()
+        let apply = |vector, (layer, presence): &(&FieldLayer, f64)| layer.apply(point_m, *presence, vector);
+        self.layers.iter().fold(self.slice.sample(point_m), apply)
     }
 
     fn color(&self, point_m: Vec3, vector: Vec3) -> Color32 {
