@@ -295,7 +295,9 @@ mod tests {
         let number = simulator.ask(request);
         let again = answer(&mut simulator, number).result.unwrap();
         assert!(again.stack.iter().all(|layer| layer.edit_id() == id));
-        assert!((moved(&again.motion) - moved(&first.motion)).abs() < 1.0);
+        // The key is met to a millimeter both times; what the last answer was may show within that.
+        let (cold_mm, warm_mm) = (moved(&first.motion), moved(&again.motion));
+        assert!((cold_mm - warm_mm).abs() < 2.0, "{cold_mm} mm, then {warm_mm} mm");
 
         let mut muted = again.stack;
         muted.iter_mut().for_each(|layer| layer.muted = true);
