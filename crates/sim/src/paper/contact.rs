@@ -304,6 +304,10 @@ impl<L: Lane> Slot<L> {
         // How far the point goes along the normal or along the surface for each newton.
         let yields = |along: Vector<L>| along.dot(mobility.mul_vector(along)).max(tiny);
         let approach = touch.room_m.mul_add(per_dt, velocity.dot(normal));
+        if self.push.largest() <= 0.0 && approach.smallest() >= 0.0 {
+            // Nothing pushes, and nothing comes so near that it has to.
+            return Vector::zero();
+        }
         let push = (self.push - approach / yields(normal)).max(L::zero());
         // Nothing is done about what is not finite, nor for a strand that does not touch.
         let done = L::splat(f64::from(f32::MAX)).above(push, touch.touches, L::zero());

@@ -187,6 +187,7 @@ impl<L: Lane> Batch<L> {
     }
 
     /// Takes what was into the head's axes at the step's end.
+    #[inline(always)]
     fn carry(&mut self, carry: &Carry, now: &Now<'_>) {
         if carry.is_cut {
             // The hair goes along, with the shape and the velocities it had, as the head sees them.
@@ -206,7 +207,9 @@ impl<L: Lane> Batch<L> {
         }
         for touchable in &mut self.touchable {
             if !now.surfaces[touchable.collider].is_heads {
-                touchable.slips.iter_mut().for_each(|slip| *slip = turn.rotate(*slip));
+                for slip in &mut touchable.slips {
+                    *slip = turn.rotate(*slip);
+                }
             }
         }
     }

@@ -126,6 +126,7 @@ impl<L: Lane> Batch<L> {
     }
 
     /// The velocity over the ground of the place where the strands grow, head axes, m/s.
+    #[inline(always)]
     pub(super) fn root_velocity(&self, now: &Now<'_>) -> Vector<L> {
         now.head.as_ref().map_or(Vector::zero(), |head| {
             Vector::splat(head.velocity) + Vector::splat(head.angular_velocity).cross(self.root)
