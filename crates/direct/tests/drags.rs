@@ -1,4 +1,5 @@
 //! Drags on small worlds: met, smooth, and out of reach.
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 use tousle_bench::worlds::{groom, mannequin, straight, uniform};
 use tousle_core::{Groom, NoProgress, Quantity, StrandMotion, Vec3};
