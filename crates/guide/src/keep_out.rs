@@ -99,7 +99,7 @@ mod tests {
             Surface::new(&Shape::Ellipsoid { center_m: Vec3::zeros(), half_axes_m: Vec3::repeat(0.1) });
         let through: Vec<[f32; 3]> = (0..9).map(|k| [0.03, 0.0, 0.1 - 0.02 * k as f32]).collect();
         let mut points = through.clone();
-        assert_eq!(push_out(&mut points, &[ball], &vec![vec![0.0]; 9]), 8);
+        assert_eq!(push_out(&mut points, std::slice::from_ref(&ball), &vec![vec![0.0]; 9]), 8);
         for pair in points.windows(2) {
             let [a, b] = [pair[0], pair[1]].map(|p| Vec3::from(p.map(f64::from)));
             assert!(((b - a).norm() - 0.02).abs() < 1e-7);
