@@ -28,7 +28,10 @@ pub fn show(ui: &Ui, studio: &Studio, place: &Place) {
         let stroke = Stroke::new(1.5, theme::MUTED);
         painter.extend(Shape::dashed_line(&way(without), stroke, 5.0, 4.0));
     }
-    painter.line(way(motion), Stroke::new(2.0, theme::ACCENT));
+    // Piece by piece: joined to one line, a way that turns back on itself gets a spike at the turn.
+    for piece in way(motion).windows(2) {
+        painter.line_segment([piece[0], piece[1]], Stroke::new(2.0, theme::ACCENT));
+    }
     let at_key = |secs: f64| edit.point_at(motion, groom, secs).and_then(|p| place.at(p));
     let (first, second) = (at_key(edit.span_secs[0]), at_key(pull.secs));
     for at in [first, second].into_iter().flatten() {
