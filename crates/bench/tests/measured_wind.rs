@@ -1,5 +1,7 @@
 //! The wind that the method `physical` measures in the captures: what it reached is kept.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
+
 use std::path::{Path, PathBuf};
 use tousle_bench::measure::{self, Calibration, MeasureRow, Setting};
 use tousle_core::NoProgress;

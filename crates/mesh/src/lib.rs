@@ -1,6 +1,6 @@
 //! A shot's own body: a triangle mesh becomes a solid that hair can touch.
 //!
-//! [`read_mesh`] gives the triangles in head space, [`enclose`] the [`Solid`] that the simulator asks for gaps.
+//! [`read_mesh`] gives the triangles in head space, [`enclose`] the [`Solid`](tousle_core::Solid) that the simulator asks for gaps.
 //!
 //! *Invariant:* the simulator does not depend on this crate: what it takes to measure a mesh is only built where
 //! meshes are read.

@@ -2,7 +2,7 @@
 //!
 //! [`refine`] simulates the captured wig in the wind that `fit` found. Where the simulated markers differ from the seen ones,
 //! three things can be at fault. What the locks are made of: it is learnt from how the simulated markers answer to it
-//! ([`learn`]). What the balance of moments leaves over of a motion that is known to be in balance: smoothing, splines and
+//! (`learn`). What the balance of moments leaves over of a motion that is known to be in balance: smoothing, splines and
 //! contacts, which is taken off the balance of the seen motion ([`tousle_fit::defects`]), as in the defect correction of
 //! differential equations (H. J. Stetter, "The defect correction principle", *Numerische Mathematik* 29, 1978). And the wind,
 //! which is then measured anew. Locks that are held out say when to stop.
