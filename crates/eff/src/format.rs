@@ -75,6 +75,17 @@ static STREAMS_V0: [Stream; 3] = [
     protobuf(0, topic::FIELD, "tousle.eff.v0.FieldStep", DESCRIPTORS_V0),
 ];
 
+/// What the schemas of version 1 said before its feature `directing`: files written then carry these texts, for ever.
+static EARLIER_SCHEMAS: [(&str, &[u8]); 2] = [
+    ("tousle.eff.v1.Manifest", include_bytes!("../../../schemas/earlier/eff.v1.manifest.1.json")),
+    ("tousle.eff.v1.Edits", include_bytes!("../../../schemas/earlier/eff.v1.edits.1.json")),
+];
+
+/// Whether a schema's text is one that files of this version have or had.
+pub(crate) fn is_schema_text(stream: &Stream, text: &[u8]) -> bool {
+    text == stream.schema || EARLIER_SCHEMAS.contains(&(stream.schema_name, text))
+}
+
 /// The channels of all versions, the newest first.
 pub(crate) fn streams() -> impl Iterator<Item = &'static Stream> {
     STREAMS.iter().chain(&STREAMS_V0)

@@ -152,6 +152,6 @@ fn an_inspection_counts_what_is_there() {
     assert!((coverage.max_length - largest).abs() < 1e-12);
     assert_eq!(
         (&found.layers[..], &found.attachments[..]),
-        (&["lift".to_owned()][..], &[("session.json".into(), 16)][..])
+        (&["lift (1)".to_owned()][..], &[("session.json".into(), 16)][..])
     );
 }

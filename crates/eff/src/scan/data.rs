@@ -2,7 +2,7 @@ use super::chunk::{self, Indexes};
 use super::facts::{AttachmentFacts, ChunkFacts};
 use super::{Listener, at, check_crc, content::Content};
 use crate::finding::Place;
-use crate::format::{PROFILE, Stream, streams, topic};
+use crate::format::{PROFILE, Stream, is_schema_text, streams, topic};
 use crate::preview::{self, PREVIEWS};
 use crate::record::{self, Attachment, Channel, Message, PREFIX, Record, Schema, Statistics};
 use crate::scan::Findings;
@@ -178,8 +178,8 @@ impl<'v> Data<'v> {
             let (found, expected) = (quoted(schema.encoding), quoted(known.schema_encoding));
             findings.push(place.finding(Code::Schema, format!("{}.encoding", schema.name), found, expected));
         }
-        if schema.data != known.schema {
-            let expected = "the text that version 1 has";
+        if !is_schema_text(known, schema.data) {
+            let expected = "a text that version 1 has or had";
             findings.push(place.finding(Code::SchemaText, schema.name, "another text", expected));
         }
     }
