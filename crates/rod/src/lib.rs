@@ -19,4 +19,4 @@ pub use hold::{Support, hold_rest};
 pub use lock::Lock;
 pub use nnls::nonnegative_least_squares;
 pub use rest::{Bearing, Likely, Rest, Touch, Twist, joint_torques, rest_state};
-pub use turn::{shortest_rotation, shortest_turn, turned};
+pub use turn::{ANGLE_OVER_SINE, shortest_rotation, shortest_turn, turned};

@@ -20,19 +20,20 @@ pub fn shortest_turn(from: Vec3, to: Vec3) -> Vec3 {
     }
 }
 
-/// arcsin(s)/s from s² < 0.03, by its power series: the first term left out is below 1e-13.
+/// Coefficients of arcsin(s)/s in s², the constant first: below 0.03 the first term left out is below 1e-13.
+pub const ANGLE_OVER_SINE: [f64; 8] = [
+    1.0,
+    1.0 / 6.0,
+    3.0 / 40.0,
+    15.0 / 336.0,
+    105.0 / 3456.0,
+    945.0 / 42_240.0,
+    10_395.0 / 599_040.0,
+    135_135.0 / 9_676_800.0,
+];
+
 fn angle_over_sine(sin2: f64) -> f64 {
-    const TERMS: [f64; 8] = [
-        1.0,
-        1.0 / 6.0,
-        3.0 / 40.0,
-        15.0 / 336.0,
-        105.0 / 3456.0,
-        945.0 / 42_240.0,
-        10_395.0 / 599_040.0,
-        135_135.0 / 9_676_800.0,
-    ];
-    TERMS.iter().rev().fold(0.0, |sum, term| sum * sin2 + term)
+    ANGLE_OVER_SINE.iter().rev().fold(0.0, |sum, term| sum * sin2 + term)
 }
 
 /// The rotation of the shortest turn from one unit vector to another.

@@ -1,6 +1,6 @@
 use super::{Batch, Work};
 use crate::lane::{Lane, Turn, Vector, series};
-use tousle_rod::{shortest_rotation, shortest_turn};
+use tousle_rod::{ANGLE_OVER_SINE, shortest_rotation, shortest_turn};
 
 impl<L: Lane> Batch<L> {
     /// τ (Φ0 − Φ) of E1, and the hair's internal damping: what each joint does to the stick that hangs on it.
@@ -32,7 +32,7 @@ fn shortest<L: Lane>(from: Vector<L>, to: Vector<L>) -> (Vector<L>, Turn<L>) {
     let cross = from.cross(to);
     let cos = from.dot(to);
     let sin2 = cross.norm_squared();
-    let mut angles = cross * angle_over_sine(sin2);
+    let mut angles = cross * series(sin2, ANGLE_OVER_SINE);
     let mut turn = Turn { w: L::one() + cos, v: cross }.normalized();
     // The series is for less than 10 degrees. What is beyond is rare.
     let fits = (L::splat(SERIES_SIN2) - sin2).min(cos);
@@ -48,21 +48,5 @@ fn shortest<L: Lane>(from: Vector<L>, to: Vector<L>) -> (Vector<L>, Turn<L>) {
     (angles, turn)
 }
 
-/// Where the series of [`angle_over_sine`] ends: its first term left out is below 1e-13 there.
+/// Where the series of [`ANGLE_OVER_SINE`] ends.
 const SERIES_SIN2: f64 = 0.03;
-
-/// arcsin(s)/s from s², by its power series.
-#[inline(always)]
-fn angle_over_sine<L: Lane>(sin2: L) -> L {
-    const TERMS: [f64; 8] = [
-        1.0,
-        1.0 / 6.0,
-        3.0 / 40.0,
-        15.0 / 336.0,
-        105.0 / 3456.0,
-        945.0 / 42_240.0,
-        10_395.0 / 599_040.0,
-        135_135.0 / 9_676_800.0,
-    ];
-    series(sin2, TERMS)
-}
