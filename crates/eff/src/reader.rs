@@ -184,9 +184,9 @@ impl<R: Read + Seek> Reader<R> {
     }
 }
 
-/// Where a file's chunks begin, by its summary.
-pub(crate) fn chunks<R: Read + Seek>(input: &mut R) -> Result<Vec<u64>, EffError> {
-    Ok(Index::read(input)?.chunk_offsets())
+/// Where a file's chunks and attachments begin, by its summary, and which of the two it is.
+pub(crate) fn indexed_records<R: Read + Seek>(input: &mut R) -> Result<Vec<(u64, u8)>, EffError> {
+    Ok(Index::read(input)?.records())
 }
 
 /// What is done with a message.

@@ -41,9 +41,10 @@ impl Index {
         self.channel(topic).and_then(|id| self.counts.get(&id).copied()).unwrap_or(0)
     }
 
-    /// Where all chunks begin.
-    pub fn chunk_offsets(&self) -> Vec<u64> {
-        self.chunks.iter().map(|c| c.offset).collect()
+    /// Where all chunks and attachments begin, and which of the two it is.
+    pub fn records(&self) -> Vec<(u64, u8)> {
+        let chunks = self.chunks.iter().map(|chunk| (chunk.offset, record::op::CHUNK));
+        chunks.chain(self.attachments.iter().map(|offset| (*offset, record::op::ATTACHMENT))).collect()
     }
 
     /// The chunks that hold messages of a channel at times from `first` to `last`, in the file's order.

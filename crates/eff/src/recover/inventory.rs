@@ -14,6 +14,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Seek, SeekFrom};
 use tousle_core::Pose;
 
+/// What a data end holds: a checksum, and nothing else.
+const DATA_END_BYTES: usize = 4;
+
 /// Where a message is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
@@ -61,8 +64,8 @@ impl Inventory {
 
     /// Where the records of the data section begin, and of what kind they are.
     ///
-    /// They are found one after the other. Where a record's length is damaged that thread is lost; if the
-    /// file's end is whole, its chunk index takes it up again.
+    /// They are found one after the other. Where a record's length is damaged, or another one's opcode says that the
+    /// data end, that thread is lost; if the file's end is whole, its indexes take it up again.
     fn records<R: Read + Seek>(&mut self, input: &mut R) -> Result<BTreeSet<(u64, u8)>, EffError> {
         let length = input.seek(SeekFrom::End(0))?;
         input.seek(SeekFrom::Start(8))?;
@@ -71,15 +74,17 @@ impl Inventory {
         let mut body = Vec::new();
         loop {
             match source.next(&mut body)? {
-                Next::Record { opcode: op::DATA_END, .. } => return Ok(records),
-                Next::Record { opcode, offset } if (op::HEADER..=op::DATA_END).contains(&opcode) => {
+                Next::Record { opcode: op::DATA_END, .. } if body.len() == DATA_END_BYTES => {
+                    return Ok(records);
+                }
+                Next::Record { opcode, offset } if (op::HEADER..op::DATA_END).contains(&opcode) => {
                     records.insert((8 + offset, opcode));
                 }
                 Next::Record { opcode: op::PRIVATE.., .. } => {}
                 Next::Record { offset, .. } | Next::End { offset, .. } => {
                     let lost = length.saturating_sub(8 + offset);
-                    if let Ok(chunks) = crate::reader::chunks(input) {
-                        records.extend(chunks.into_iter().map(|offset| (offset, op::CHUNK)));
+                    if let Ok(indexed) = crate::reader::indexed_records(input) {
+                        records.extend(indexed);
                     } else if lost > 0 {
                         let what = format!("the last {lost} bytes of the file, from byte {}", 8 + offset);
                         self.losses.push(Loss { what, why: "no whole record".into() });
