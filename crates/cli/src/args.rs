@@ -369,9 +369,9 @@ pub struct SimulateArgs {
     /// The time code of the USD stage that meets the field's first step [default: the stage's first].
     #[arg(long, value_name = "CODE", requires = "head", allow_hyphen_values = true)]
     pub head_start: Option<f64>,
-    /// What hair on the shoulders rubs on when the head moves: the torso's surface, which stays; or one that goes
-    /// along with the head, as in engines that set a collider's place without its velocity.
-    #[arg(long, value_parser = parse_torso_grip, default_value = "torso", value_name = "torso|head")]
+    /// What hair on the shoulders rubs on when the head moves: a surface that goes along with the head, so that it
+    /// slides off a shoulder that the head turns away from; or the torso's own, which stays and holds it.
+    #[arg(long, value_parser = parse_torso_grip, default_value = "head", value_name = "head|torso")]
     pub torso_grip: tousle_sim::TorsoGrip,
     /// What the wind does outside the field's span.
     #[arg(long, value_parser = parse_time, default_value = "once", value_name = "once|loop|hold")]
@@ -530,7 +530,7 @@ pub struct BenchSimArgs {
     #[arg(long, value_name = "DIR")]
     pub captures: Option<PathBuf>,
     /// What hair on the torso rubs on while the head moves, as for `simulate`; for the part `truth`.
-    #[arg(long, value_parser = parse_torso_grip, default_value = "torso", value_name = "torso|head")]
+    #[arg(long, value_parser = parse_torso_grip, default_value = "head", value_name = "head|torso")]
     pub torso_grip: tousle_sim::TorsoGrip,
     /// Only this part; may be given several times [default: all].
     #[arg(long = "part", value_parser = parse_part, value_name = "truth|converged|order|extremes|terms")]
@@ -632,7 +632,7 @@ fn parse_axis(name: &str) -> Result<tousle_groom::Axis, String> {
 }
 
 fn parse_torso_grip(name: &str) -> Result<tousle_sim::TorsoGrip, String> {
-    tousle_sim::TorsoGrip::from_name(name).ok_or_else(|| "expected torso or head".to_owned())
+    tousle_sim::TorsoGrip::from_name(name).ok_or_else(|| "expected head or torso".to_owned())
 }
 
 fn parse_time(name: &str) -> Result<tousle_sim::TimeMode, String> {

@@ -67,12 +67,13 @@ pub enum TimeMode {
 /// What hair that lies on a torso rubs on, when the head moves over it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TorsoGrip {
-    /// The torso's surface, which moves as the torso does.
-    #[default]
-    Torso,
     /// A surface that is where the torso is at each time but has the head's velocity: so do engines that set a
-    /// collider's place without telling their contacts how it moves. For comparison with motions from such engines.
+    /// collider's place without telling their contacts how it moves. The only motions with a truth that were made
+    /// with a moving head are of such an engine, so this is what has been checked.
+    #[default]
     Head,
+    /// The torso's surface, which moves as the torso does: a cloth that holds the hair that lies on it.
+    Torso,
 }
 
 impl SimOptions {

@@ -132,8 +132,8 @@ fn friction(body: &Body, timeline: &Timeline<'_>, n_reaching: &[usize]) -> PlanE
         entry("friction", false, "nothing to rub on")
     } else {
         let grip = match timeline.torso_grip() {
-            TorsoGrip::Torso => "",
-            TorsoGrip::Head => "; the torso's surface goes along with the head",
+            TorsoGrip::Head => "",
+            TorsoGrip::Torso => "; the torso's surface stays with the torso",
         };
         entry("friction", true, format!("Coulomb, coefficient {}{grip}", body.friction))
     }
