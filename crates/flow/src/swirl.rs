@@ -1,5 +1,5 @@
 use nalgebra::{DMatrix, Matrix3};
-use tousle_core::Vec3;
+use tousle_core::{Pose, Vec3};
 
 /// How velocities at two points of a swirling, divergence-free flow go together: a Gaussian process.
 ///
@@ -121,19 +121,23 @@ impl SwirlModes {
         SwirlFlow { lattice: &self.lattice, nodes }
     }
 
-    /// What becomes of the modes' coefficients when the air travels by `travel_m`: row by row, the coefficients then
-    /// from those now. What comes in from elsewhere is unknown and not in it.
-    pub fn carried(&self, travel_m: Vec3) -> DMatrix<f64> {
+    /// What becomes of the modes' coefficients when the air travels: row by row, the coefficients then from those now. What
+    /// comes in from elsewhere is unknown and not in it. `before_from_now` tells for every point where the air was that is
+    /// there now, and turns velocities back to the axes of before.
+    pub fn carried(&self, before_from_now: &Pose) -> DMatrix<f64> {
         let n = self.n_modes();
-        let mut row = vec![0.0; 3 * n];
-        let mut matrix = DMatrix::zeros(n, n);
-        for (i, (pivot, axis)) in self.pivots.iter().enumerate() {
-            self.at(pivot - travel_m, &mut row);
-            for j in 0..n {
-                matrix[(i, j)] = row[axis * n + j];
+        let mut columns = DMatrix::zeros(n, n);
+        for (j, (pivot, axis)) in self.pivots.iter().enumerate() {
+            let was_m = before_from_now.transform_point(&(*pivot).into()).coords;
+            let blew = before_from_now.rotation * Vec3::ith(*axis, 1.0);
+            for (i, (other, other_axis)) in self.pivots.iter().enumerate() {
+                columns[(i, j)] = (self.kernel.at(other - was_m) * blew)[*other_axis];
             }
         }
-        self.factor.solve_lower_triangular(&matrix).unwrap_or(matrix)
+        // Column by column, the modes at where the pivots' air was; then what modes give those values at the pivots.
+        let modes = self.factor.solve_lower_triangular(&columns).unwrap_or(columns);
+        let rows = modes.transpose();
+        self.factor.solve_lower_triangular(&rows).unwrap_or(rows)
     }
 
     /// The modes at a point, not read from the lattice.
@@ -268,8 +272,25 @@ mod tests {
     #[test]
     fn travelling_air_is_forgotten() {
         let modes = SwirlModes::near(&points(), SwirlKernel { length_m: 0.1 }, 40, 0.05);
-        let stays = modes.carried(Vec3::zeros());
-        assert!((stays - DMatrix::identity(40, 40)).amax() < 0.2);
-        assert!(modes.carried(Vec3::x() * 2.0).norm() < 1e-9);
+        let stays = modes.carried(&Pose::identity());
+        assert!((stays - DMatrix::identity(40, 40)).amax() < 1e-9);
+        assert!(modes.carried(&Pose::translation(-2.0, 0.0, 0.0)).norm() < 1e-9);
+    }
+
+    /// A swirl that is carried a little way blows there as it blew here.
+    #[test]
+    fn a_swirl_travels() {
+        let modes = SwirlModes::near(&points(), SwirlKernel { length_m: 0.1 }, 200, 0.05);
+        let n = modes.n_modes();
+        let travel_m = Vec3::new(0.02, -0.01, 0.0);
+        let here = Vec3::new(0.08, 0.08, 0.08);
+        let mut row = vec![0.0; 3 * n];
+        modes.at(here, &mut row);
+        // The likeliest swirl that blows at 1 along x here.
+        let now = nalgebra::DVector::from_row_slice(&row[..n]);
+        let then = modes.carried(&Pose::from(-travel_m)) * &now;
+        modes.at(here + travel_m, &mut row);
+        let blows: f64 = row[..n].iter().zip(&then).map(|(shape, c)| shape * c).sum();
+        assert!((blows - now.norm_squared()).abs() < 0.1, "{blows}");
     }
 }

@@ -1,17 +1,22 @@
 //! What is known of the air before any lock is asked.
 
-use super::smoother::Wander;
+use super::smoother::{Carried, Wander};
 use super::solve::Problem;
 use crate::outside_direction;
-use nalgebra::{DVector, Matrix3};
-use tousle_core::Vec3;
-use tousle_flow::N_STREAM;
+use nalgebra::{DMatrix, DVector, Matrix3, Translation3};
+use rayon::prelude::*;
+use tousle_core::{Pose, Vec3};
+use tousle_flow::{AirFlow, N_STREAM};
 
 /// Strength of swirls over the stream's: what a wind between walls carries, and what a simple wake and layer leave out.
 pub(crate) const SWIRL_SHARE: f64 = 0.25;
 
 /// The least strength of swirls, m/s, so that air that stands still far away may move near the head.
 const LEAST_SWIRL_MPS: f64 = 0.05;
+
+/// How long a swirl lasts while the stream carries it, s: those of a decimeter or two turn over in about so long, and pass a
+/// head in a tenth of it. A third or three times as long changes little.
+const SWIRL_LASTS_SECS: f64 = 1.0;
 
 /// How far the wind may be from the fans' setting, as a share of it: gusts, and fans that are set by eye.
 const FAN_SHARE: f64 = 0.5;
@@ -29,8 +34,8 @@ const UNNAMED_MPS: f64 = 3.0;
 const DRAFT_MPS: f64 = 0.05;
 
 /// Wake and layer: mean, standard deviation, and how long they stay, s.
-const WAKE: [f64; 3] = [0.6, 0.3, 1.0];
-const LOG_LAYER: [f64; 3] = [-4.4, 0.7, 2.0];
+pub(crate) const WAKE: [f64; 3] = [0.6, 0.3, 1.0];
+pub(crate) const LOG_LAYER: [f64; 3] = [-4.4, 0.7, 2.0];
 
 /// How strong swirls are in a stream, m/s.
 pub(crate) fn swirl_mps(outside: Vec3, share: f64) -> f64 {
@@ -60,14 +65,17 @@ pub(crate) fn is_still(problem: &Problem<'_>, step: usize) -> bool {
     problem.still.is_some_and(|(first, last)| (first..=last).contains(&frame))
 }
 
-/// The state's prior: swirls about nothing, wake and layer about what is usual, the wind far away from step to step. The stream
-/// carries swirls past (Taylor's hypothesis), so that at one place they last as long as the stream takes for half their length.
-pub(crate) fn wander(problem: &Problem<'_>, fan_wind: &[Vec3], n_modes: usize) -> Wander {
+/// The state's prior: swirls about nothing, wake and layer about what is usual, the wind far away from step to step.
+///
+/// The stream carries swirls past (G. I. Taylor's hypothesis, "The spectrum of turbulence", 1938): what blows somewhere was
+/// upstream before, at the speed that `air` has far away.
+pub(crate) fn wander(problem: &Problem<'_>, fan_wind: &[Vec3], air: &AirFlow) -> Wander {
+    let n_modes = air.modes.n_modes();
     let n = n_modes + N_STREAM;
     let dt = 1.0 / problem.clock.rate_hz;
     let keep = |lasts_secs: f64| libm::exp(-dt / lasts_secs);
     let strongest = strongest_mps(fan_wind);
-    let mut keeps = DVector::from_element(n, keep(problem.options.swirl_length_m / strongest));
+    let mut keeps = DVector::zeros(n);
     let mut mean = DVector::zeros(n);
     let mut sd = DVector::from_element(n, 1.0);
     for (i, [value, spread, lasts]) in [WAKE, LOG_LAYER].iter().enumerate() {
@@ -80,7 +88,23 @@ pub(crate) fn wander(problem: &Problem<'_>, fan_wind: &[Vec3], n_modes: usize) -
     for c in n_modes..n_modes + 3 {
         (keeps[c], first[c], fresh[c]) = (1.0, 0.0, 1.0 / (step_mps * step_mps));
     }
-    Wander { mean, first, keeps, fresh }
+    let carried =
+        (0..problem.clock.n_steps).into_par_iter().map(|step| carried(problem, air, step)).collect();
+    Wander { mean, first, keeps, fresh, carried }
+}
+
+/// How swirls that travel come to a step from the one before.
+fn carried(problem: &Problem<'_>, air: &AirFlow, step: usize) -> Carried {
+    let n = air.modes.n_modes();
+    let dt = 1.0 / problem.clock.rate_hz;
+    let before = step.saturating_sub(1);
+    let travel_m = (air.states[before].outside() + air.states[step].outside()) * (0.5 * dt);
+    let head_before_from_now: Pose = problem.clock.pose(before).inverse() * problem.clock.pose(step);
+    let by = air.modes.carried(&(Translation3::from(-travel_m) * head_before_from_now))
+        * libm::exp(-dt / SWIRL_LASTS_SECS);
+    let fresh = DMatrix::identity(n, n) - &by * by.transpose();
+    let fresh = fresh.cholesky().map_or_else(|| DMatrix::identity(n, n), |factor| factor.inverse());
+    Carried { by, fresh }
 }
 
 /// What is known of the wind far away at every step before any lock is asked: the precision matrix of its value, which is

@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// What is likely before anything is measured: each number wanders by itself about a mean.
+/// What is likely before anything is measured: the first numbers are carried over from step to step, each of the others wanders
+/// by itself about a mean.
 pub(crate) struct Wander {
     pub(crate) mean: DVector<f64>,
     /// Precision of the first step about the mean.
@@ -11,6 +12,16 @@ pub(crate) struct Wander {
     pub(crate) keeps: DVector<f64>,
     /// Precision of what is added to it anew.
     pub(crate) fresh: DVector<f64>,
+    /// How the first numbers, which are about nothing, come to each step from the one before; the first step's is not used.
+    pub(crate) carried: Vec<Carried>,
+}
+
+/// How some numbers come to a step from the one before.
+pub(crate) struct Carried {
+    /// What they become.
+    pub(crate) by: DMatrix<f64>,
+    /// Precision of what is added anew.
+    pub(crate) fresh: DMatrix<f64>,
 }
 
 /// What a step's measurements say: ½ xᵀ `information` x − `vector`ᵀ x is least where they are met best.
@@ -26,63 +37,82 @@ pub(crate) struct Likely {
     pub(crate) covariances: Vec<DMatrix<f64>>,
 }
 
+impl Wander {
+    /// Adds what is likely to what a step's measurements say.
+    fn add(&self, step: usize, n_steps: usize, block: &mut DMatrix<f64>, right: &mut DVector<f64>) {
+        let n_carried = self.n_carried();
+        let mut carried = block.view_mut((0, 0), (n_carried, n_carried));
+        if step == 0 {
+            (0..n_carried).for_each(|i| carried[(i, i)] += self.first[i]);
+        } else {
+            carried += &self.carried[step].fresh;
+        }
+        if let Some(Carried { by, fresh }) = self.carried.get(step + 1) {
+            carried += by.tr_mul(&(fresh * by));
+        }
+        for i in n_carried..self.mean.len() {
+            let drift = self.mean[i] * (1.0 - self.keeps[i]);
+            let (precision, about) =
+                if step == 0 { (self.first[i], self.mean[i]) } else { (self.fresh[i], drift) };
+            block[(i, i)] += precision;
+            right[i] += precision * about;
+            if step + 1 < n_steps {
+                let passed = self.keeps[i] * self.fresh[i];
+                block[(i, i)] += self.keeps[i] * passed;
+                right[i] -= passed * drift;
+            }
+        }
+    }
+
+    /// −(off-diagonal): what the step before passes on to a step.
+    fn passed(&self, step: usize) -> DMatrix<f64> {
+        let n_carried = self.n_carried();
+        let mut passed = DMatrix::from_diagonal(&self.keeps.component_mul(&self.fresh));
+        if n_carried > 0 {
+            let Carried { by, fresh } = &self.carried[step];
+            passed.view_mut((0, 0), (n_carried, n_carried)).copy_from(&(fresh * by));
+        }
+        passed
+    }
+
+    fn n_carried(&self) -> usize {
+        self.carried.first().map_or(0, |carried| carried.by.nrows())
+    }
+}
+
 /// The most likely states, and their covariances if asked for.
 ///
 /// The sum of all terms is a quadratic form whose matrix is block-tridiagonal: a block Cholesky factor forwards, the
 /// solution backwards, as in the Kalman smoother of Rauch, Tung and Striebel (1965). `None` if a block is not positive.
 pub(crate) fn most_likely(wander: &Wander, said: &[Said], with_covariance: bool) -> Option<Likely> {
     let n_steps = said.len();
-    let n = wander.mean.len();
-    // −(off-diagonal): what a step passes on to the next, and the drift towards the mean.
-    let passed = wander.keeps.component_mul(&wander.fresh);
-    let drift = wander.mean.component_mul(&wander.keeps.map(|a| 1.0 - a));
     let mut inverses: Vec<DMatrix<f64>> = Vec::with_capacity(n_steps);
     let mut rights: Vec<DVector<f64>> = Vec::with_capacity(n_steps);
-    for (k, said_now) in said.iter().enumerate() {
-        let mut block = said_now.information.clone();
-        let mut right = said_now.vector.clone();
-        for i in 0..n {
-            if k == 0 {
-                block[(i, i)] += wander.first[i];
-                right[i] += wander.first[i] * wander.mean[i];
-            } else {
-                block[(i, i)] += wander.fresh[i];
-                right[i] += wander.fresh[i] * drift[i];
-            }
-            if k + 1 < n_steps {
-                block[(i, i)] += wander.keeps[i] * passed[i];
-                right[i] -= passed[i] * drift[i];
-            }
-        }
-        if k > 0 {
-            let before = &inverses[k - 1];
-            for c in 0..n {
-                for r in 0..n {
-                    block[(r, c)] -= passed[r] * before[(r, c)] * passed[c];
-                }
-            }
-            right += passed.component_mul(&(before * &rights[k - 1]));
+    for (step, said_now) in said.iter().enumerate() {
+        let (mut block, mut right) = (said_now.information.clone(), said_now.vector.clone());
+        wander.add(step, n_steps, &mut block, &mut right);
+        if step > 0 {
+            let gain = wander.passed(step) * &inverses[step - 1];
+            right += &gain * &rights[step - 1];
+            block -= gain * wander.passed(step).transpose();
         }
         inverses.push(block.cholesky()?.inverse());
         rights.push(right);
     }
-    let mut states = vec![DVector::zeros(n); n_steps];
+    let mut states: Vec<DVector<f64>> = vec![DVector::zeros(wander.mean.len()); n_steps];
     let mut covariances: Vec<DMatrix<f64>> = Vec::new();
-    for k in (0..n_steps).rev() {
-        let mut right = rights[k].clone();
-        if k + 1 < n_steps {
-            right += passed.component_mul(&states[k + 1]);
+    for step in (0..n_steps).rev() {
+        let mut right = rights[step].clone();
+        if step + 1 < n_steps {
+            right += wander.passed(step + 1).tr_mul(&states[step + 1]);
         }
-        states[k] = &inverses[k] * right;
+        states[step] = &inverses[step] * right;
         if with_covariance {
-            let mut covariance = inverses[k].clone();
+            let mut covariance = inverses[step].clone();
             if let Some(after) = covariances.last() {
-                // P = S⁻¹ + S⁻¹ B P₊ B S⁻¹ with B = diag(passed).
-                let mut gain = inverses[k].clone();
-                for c in 0..n {
-                    gain.column_mut(c).scale_mut(passed[c]);
-                }
-                covariance += &gain * after * gain.transpose();
+                // P = S⁻¹ + S⁻¹ Bᵀ P₊ B S⁻¹ with B what is passed on.
+                let gain = wander.passed(step + 1) * &inverses[step];
+                covariance += gain.tr_mul(&(after * &gain));
             }
             covariances.push(covariance);
         }
@@ -95,56 +125,63 @@ pub(crate) fn most_likely(wander: &Wander, said: &[Said], with_covariance: bool)
 mod tests {
     use super::*;
 
-    /// Three steps of two numbers, against the same least squares solved as one dense system.
+    /// Three steps of three numbers, of which two are carried, against the same least squares solved as one dense system.
     #[test]
     fn it_is_the_dense_answer() {
+        let carried = || Carried {
+            by: DMatrix::from_row_slice(2, 2, &[0.7, 0.2, -0.1, 0.5]),
+            fresh: DMatrix::from_row_slice(2, 2, &[3.0, 0.4, 0.4, 2.0]),
+        };
         let wander = Wander {
-            keeps: DVector::from_vec(vec![0.8, 1.0]),
-            fresh: DVector::from_vec(vec![2.0, 3.0]),
-            mean: DVector::from_vec(vec![0.5, 0.0]),
-            first: DVector::from_vec(vec![1.0, 0.5]),
+            keeps: DVector::from_vec(vec![0.0, 0.0, 0.8]),
+            fresh: DVector::from_vec(vec![0.0, 0.0, 2.0]),
+            mean: DVector::from_vec(vec![0.0, 0.0, 0.5]),
+            first: DVector::from_vec(vec![1.0, 0.5, 0.7]),
+            carried: vec![carried(), carried(), carried()],
         };
         let said = |k: f64| Said {
-            information: DMatrix::from_row_slice(2, 2, &[2.0 + k, 0.7, 0.7, 1.0]),
-            vector: DVector::from_vec(vec![1.0, -k]),
+            information: DMatrix::from_row_slice(3, 3, &[2.0 + k, 0.7, 0.1, 0.7, 1.0, 0.2, 0.1, 0.2, 0.6]),
+            vector: DVector::from_vec(vec![1.0, -k, 0.3]),
         };
         let said = [said(0.0), said(1.0), said(2.0)];
-        let mut dense = DMatrix::zeros(6, 6);
-        let mut right = DVector::zeros(6);
-        for k in 0..3 {
-            for r in 0..2 {
-                right[2 * k + r] += said[k].vector[r];
-                for c in 0..2 {
-                    dense[(2 * k + r, 2 * k + c)] += said[k].information[(r, c)];
-                }
-                if k == 0 {
-                    right[r] += wander.first[r] * wander.mean[r];
-                    dense[(r, r)] += wander.first[r];
-                } else {
-                    // fresh/2 (x − a x₋ − (1 − a) m)².
-                    let (now, before, a, q) = (2 * k + r, 2 * k - 2 + r, wander.keeps[r], wander.fresh[r]);
-                    let drift = (1.0 - a) * wander.mean[r];
-                    dense[(now, now)] += q;
-                    dense[(before, before)] += a * a * q;
-                    dense[(now, before)] -= a * q;
-                    dense[(before, now)] -= a * q;
-                    right[now] += q * drift;
-                    right[before] -= a * q * drift;
-                }
+        let mut by = DMatrix::from_diagonal(&wander.keeps);
+        by.view_mut((0, 0), (2, 2)).copy_from(&carried().by);
+        let mut fresh = DMatrix::from_diagonal(&wander.fresh);
+        fresh.view_mut((0, 0), (2, 2)).copy_from(&carried().fresh);
+        let drift = &wander.mean - &by * &wander.mean;
+        let mut dense = DMatrix::zeros(9, 9);
+        let mut right = DVector::zeros(9);
+        let mut add = |at: (usize, usize), block: &DMatrix<f64>| {
+            let mut view = dense.view_mut((3 * at.0, 3 * at.1), (3, 3));
+            view += block;
+        };
+        let mut pull = |at: usize, part: &DVector<f64>| {
+            let mut rows = right.rows_mut(3 * at, 3);
+            rows += part;
+        };
+        for (k, said) in said.iter().enumerate() {
+            add((k, k), &said.information);
+            pull(k, &said.vector);
+            if k == 0 {
+                add((0, 0), &DMatrix::from_diagonal(&wander.first));
+                pull(0, &wander.first.component_mul(&wander.mean));
+            } else {
+                // (x − A x₋ − drift)ᵀ fresh (x − A x₋ − drift) / 2.
+                add((k, k), &fresh);
+                add((k - 1, k - 1), &(by.transpose() * &fresh * &by));
+                add((k, k - 1), &-(&fresh * &by));
+                add((k - 1, k), &-(by.transpose() * &fresh));
+                pull(k, &(&fresh * &drift));
+                pull(k - 1, &-(by.transpose() * &fresh * &drift));
             }
         }
-        let covariance: DMatrix<f64> = dense.try_inverse().unwrap_or_else(|| DMatrix::zeros(6, 6));
+        let covariance: DMatrix<f64> = dense.try_inverse().unwrap_or_else(|| DMatrix::zeros(9, 9));
         let expected: DVector<f64> = &covariance * right;
         let Some(found) = most_likely(&wander, &said, true) else { panic!("expected an answer") };
         for k in 0..3 {
-            for r in 0..2 {
-                assert!((found.states[k][r] - expected[2 * k + r]).abs() < 1e-12);
-                for c in 0..2 {
-                    assert!(
-                        (found.covariances[k][(r, c)] - covariance[(2 * k + r, 2 * k + c)]).abs() < 1e-12
-                    );
-                }
-            }
+            let off = &found.states[k] - expected.rows(3 * k, 3);
+            let off_spread = &found.covariances[k] - covariance.view((3 * k, 3 * k), (3, 3));
+            assert!(off.amax() < 1e-12 && off_spread.amax() < 1e-12, "{off} {off_spread}");
         }
     }
 }

@@ -4,7 +4,7 @@ use super::PhysicalOptions;
 use super::evidence::{Evidence, Station};
 use super::lock::SeenLock;
 use super::moments::{Balance, DragSlope};
-use super::prior::{SWIRL_SHARE, fan_wind, known_outside, swirl_mps, wander};
+use super::prior::{LOG_LAYER, SWIRL_SHARE, WAKE, fan_wind, known_outside, swirl_mps, wander};
 use super::smoother::{Said, Wander, most_likely};
 use super::taught::{DefectAt, Defects, Scales, Taught};
 use super::tracks::Clock;
@@ -70,11 +70,10 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
         SwirlModes::near(&mode_points(locks, &stream), kernel, problem.options.max_modes, MODE_REACH_M);
     let surroundings = Surroundings::new(problem, &stream);
     let fan_wind = fan_wind(problem);
-    let wander = wander(problem, &fan_wind, modes.n_modes());
     let outside = known_outside(problem, &fan_wind);
-    let mut air = AirFlow { stream, states: first_guess(&wander, &fan_wind, modes.n_modes()), modes };
+    let mut share = SWIRL_SHARE;
+    let mut air = AirFlow { stream, states: first_guess(&fan_wind, modes.n_modes()), modes };
     let mut said = Vec::new();
-    let mut swirl_share = SWIRL_SHARE;
     for round in 0..ROUNDS {
         let slope = if round == 0 { DragSlope::Secant(GUESS_MPS) } else { DragSlope::Tangent };
         said = (0..clock.n_steps)
@@ -86,13 +85,14 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
             said.of_air.add_outside(precision, *fan);
         }
         let learns = round + 2 >= ROUNDS;
+        let wander = wander(problem, &fan_wind, &air);
         step_states(&mut air.states, &wander, &mut said, learns);
         if !is_last {
             if learns {
-                swirl_share = learnt_share(&air.states, swirl_share);
+                share = learnt_share(&air.states, share);
             }
             for state in &mut air.states {
-                state.rescale(swirl_mps(state.outside(), swirl_share));
+                state.rescale(swirl_mps(state.outside(), share));
             }
         }
         progress.at(round as u64 + 1, ROUNDS as u64);
@@ -257,11 +257,11 @@ fn learnt_share(states: &[AirState], share: f64) -> f64 {
 }
 
 /// The fans' wind, no swirls, and wake and layer as they usually are.
-fn first_guess(wander: &Wander, fan_wind: &[Vec3], n_modes: usize) -> Vec<AirState> {
+fn first_guess(fan_wind: &[Vec3], n_modes: usize) -> Vec<AirState> {
+    let n = n_modes + N_STREAM;
     let state = |fan: &Vec3| {
-        let mut values = wander.mean.clone();
-        values.fixed_rows_mut::<3>(n_modes).copy_from(fan);
-        let n = n_modes + N_STREAM;
+        let mut values = DVector::zeros(n);
+        values.rows_mut(n_modes, N_STREAM).copy_from_slice(&[fan.x, fan.y, fan.z, WAKE[0], LOG_LAYER[0]]);
         AirState { values, covariance: DMatrix::zeros(n, n), swirl_mps: swirl_mps(*fan, SWIRL_SHARE) }
     };
     fan_wind.iter().map(state).collect()
