@@ -14,6 +14,18 @@ pub fn outside_direction(
     pose: &Pose,
     time_secs: f64,
 ) -> Vec3 {
+    let winds = fan_winds(session, head, rest_pose, pose, time_secs);
+    winds.into_iter().sum::<Vec3>().try_normalize(1e-9).unwrap_or_default()
+}
+
+/// The wind that each fan is set to make at a time, head axes, m/s.
+pub(crate) fn fan_winds(
+    session: &Session,
+    head: &HeadCapture,
+    rest_pose: &Pose,
+    pose: &Pose,
+    time_secs: f64,
+) -> Vec<Vec3> {
     let turn = pose.rotation.inverse() * rest_pose.rotation;
     let start_secs = session.wind_start_frame.map_or(0.0, |f| (f - head.first_frame) as f64 / head.rate_hz);
     let share = ((time_secs - start_secs) / (head.duration_secs() - start_secs)).clamp(0.0, 1.0);
@@ -28,5 +40,5 @@ pub fn outside_direction(
         };
         turn * at_rest * fan.speed_mps
     };
-    session.fans.iter().map(wind).sum::<Vec3>().try_normalize(1e-9).unwrap_or_default()
+    session.fans.iter().map(wind).collect()
 }

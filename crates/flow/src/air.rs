@@ -1,4 +1,4 @@
-use crate::{Stream, SwirlModes};
+use crate::{Stream, StreamPart, SwirlModes, stream_parts};
 use nalgebra::{DMatrix, DVector};
 use tousle_core::Vec3;
 
@@ -23,6 +23,8 @@ pub struct AirState {
     pub covariance: DMatrix<f64>,
     /// How strong swirls are, m/s: what a coefficient of 1 stands for.
     pub swirl_mps: f64,
+    /// Where each fan blows, head axes, unit length; zero for one that is off.
+    pub fans: Vec<Vec3>,
 }
 
 /// How many numbers of a state are no swirl.
@@ -40,7 +42,12 @@ impl AirState {
         Vec3::new(self.values[n], self.values[n + 1], self.values[n + 2])
     }
 
-    /// The wake's strength.
+    /// The parts of the wind far away.
+    pub fn parts(&self) -> Vec<StreamPart> {
+        stream_parts(self.outside(), &self.fans)
+    }
+
+    /// The wakes' strength.
     pub fn wake(&self) -> f64 {
         self.values[self.n_modes() + 3]
     }
@@ -97,7 +104,7 @@ impl AirFlow {
 pub fn wind_at(stream: &crate::StreamAt, modes: &SwirlModes, state: &AirState, point_m: Vec3) -> WindAt {
     let n_modes = modes.n_modes();
     let n = n_modes + N_STREAM;
-    let wind = stream.wind(state.outside(), state.wake(), state.layer_m());
+    let wind = stream.wind(state.outside(), &state.parts(), state.wake(), state.layer_m());
     let mut shapes = vec![0.0; 3 * n_modes];
     modes.at(point_m, &mut shapes);
     let mut change = vec![0.0; 3 * n];

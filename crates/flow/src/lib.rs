@@ -15,5 +15,5 @@ mod swirl;
 pub use air::{AirFlow, AirState, N_STREAM, WindAt, wind_at};
 pub use potential::PotentialFlow;
 pub use shelter::Shelter;
-pub use stream::{Stream, StreamAt, StreamWind};
+pub use stream::{Stream, StreamAt, StreamPart, StreamWind, stream_parts};
 pub use swirl::{SwirlFlow, SwirlKernel, SwirlModes};

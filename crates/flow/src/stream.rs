@@ -1,5 +1,5 @@
 use crate::{PotentialFlow, Shelter};
-use nalgebra::Matrix3;
+use nalgebra::{DMatrix, Matrix3};
 use tousle_core::{Attachment, Body, Shape, Vec3};
 
 /// How the wind far away becomes the wind near a head.
@@ -46,6 +46,46 @@ impl Stream {
     }
 }
 
+/// A part of the wind far away: what blows from one fan. It casts a wake of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StreamPart {
+    /// Takes it out of the wind far away. Over all parts these add up to the identity.
+    pub share: Matrix3<f64>,
+    /// Where it blows, unit length.
+    pub direction: Vec3,
+}
+
+/// The parts that the wind far away, `outside`, is made of if fans blow in some directions (unit length, or zero for one that
+/// is off), all in the same axes.
+///
+/// Those shares of the fans, none below zero, are taken that come closest to it; what they leave over goes along with them. So a
+/// single fan's wind is one part, wherever it turns, and in that of two fans the lee of either is felt. Still air has no part.
+pub fn stream_parts(outside: Vec3, fans: &[Vec3]) -> Vec<StreamPart> {
+    let Some(direction) = outside.try_normalize(1e-6) else { return Vec::new() };
+    let mut blowing: Vec<Vec3> = fans.iter().copied().filter(|fan| fan.norm_squared() > 0.0).collect();
+    while blowing.len() > 1 {
+        let directions = DMatrix::from_fn(3, blowing.len(), |r, c| blowing[c][r]);
+        let gram =
+            directions.tr_mul(&directions) + DMatrix::identity(blowing.len(), blowing.len()) * NEARLY_ALIKE;
+        let Some(shares) = gram.cholesky().map(|factor| factor.solve(&directions.transpose())) else { break };
+        let strengths = &shares * outside;
+        if strengths.min() > 0.0 {
+            let left_over = DMatrix::identity(3, 3) - &directions * &shares;
+            let part = |(k, direction): (usize, &Vec3)| {
+                let own = direction * shares.row(k).fixed_columns::<3>(0);
+                let share = own + left_over.fixed_view::<3, 3>(0, 0) * (strengths[k] / strengths.sum());
+                StreamPart { share, direction: (share * outside).normalize() }
+            };
+            return blowing.iter().enumerate().map(part).collect();
+        }
+        blowing.remove(strengths.imin());
+    }
+    vec![StreamPart { share: Matrix3::identity(), direction }]
+}
+
+/// What keeps fans that blow the same way apart: far below the square of a degree.
+const NEARLY_ALIKE: f64 = 1e-6;
+
 /// The wind at a point and how it changes with what it hangs on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StreamWind {
@@ -62,14 +102,13 @@ pub struct StreamWind {
 }
 
 impl StreamAt {
-    /// The wind at the point if that far away is `outside`, m/s, behind a wake of strength `wake` and in a layer `layer_m`
-    /// thick. That the wake turns with the wind is left out of the derivative.
-    pub fn wind(&self, outside: Vec3, wake: f64, layer_m: f64) -> StreamWind {
-        let free = self.potential * outside;
+    /// The wind at the point if that far away is `outside`, m/s, of the given parts, behind wakes of strength `wake` and in a
+    /// layer `layer_m` thick. That wakes turn with the wind is left out of the derivative.
+    pub fn wind(&self, outside: Vec3, parts: &[StreamPart], wake: f64, layer_m: f64) -> StreamWind {
         let Some((center_m, half_axes_m)) = self.head else {
             return StreamWind {
                 layer: 1.0,
-                velocity: free,
+                velocity: self.potential * outside,
                 by_outside: self.potential,
                 by_wake: Vec3::zeros(),
                 by_log_layer: Vec3::zeros(),
@@ -77,18 +116,42 @@ impl StreamAt {
         };
         let shelter = Shelter { center_m, half_axes_m, layer_m, wake };
         let layer = shelter.layer(self.point_m);
-        let direction = outside.try_normalize(1e-6);
-        let shape = direction.map_or(0.0, |direction| shelter.wake_shape(self.point_m, direction));
-        let left = 1.0 - wake * shape;
+        // What all wakes of strength 1 take.
+        let in_lee: Matrix3<f64> =
+            parts.iter().map(|part| part.share * shelter.wake_shape(self.point_m, part.direction)).sum();
+        let left = self.potential * (Matrix3::identity() - in_lee * wake);
         // 1 − e^(−x) changes with ln δ as −x e^(−x).
         let fade = f64::max(1.0 - layer, 1e-300);
         let by_log_layer = fade * libm::log(fade);
         StreamWind {
             layer,
-            velocity: free * (layer * left),
-            by_outside: self.potential * (layer * left),
-            by_wake: free * (-layer * shape),
-            by_log_layer: free * (by_log_layer * left),
+            velocity: left * outside * layer,
+            by_outside: left * layer,
+            by_wake: self.potential * in_lee * outside * -layer,
+            by_log_layer: left * outside * by_log_layer,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Between two fans either has its part; beyond them the nearer one has all, as a single one always has.
+    #[test]
+    fn a_wind_is_made_of_what_the_fans_blow() {
+        let fans = [Vec3::x(), Vec3::y()];
+        let outside = Vec3::new(2.0, 1.0, 0.3);
+        let parts = stream_parts(outside, &fans);
+        assert!((parts[0].share * outside - Vec3::new(2.0, 0.0, 0.2)).norm() < 1e-5, "{parts:?}");
+        assert!((parts[1].share * outside - Vec3::new(0.0, 1.0, 0.1)).norm() < 1e-5);
+        assert!((parts[0].share + parts[1].share - Matrix3::identity()).norm() < 1e-12);
+        let beyond = Vec3::new(2.0, -1.0, 0.0);
+        for parts in
+            [stream_parts(beyond, &fans), stream_parts(beyond, &fans[..1]), stream_parts(beyond, &[])]
+        {
+            assert_eq!(parts, vec![StreamPart { share: Matrix3::identity(), direction: beyond.normalize() }]);
+        }
+        assert_eq!(stream_parts(Vec3::zeros(), &fans), vec![]);
     }
 }

@@ -41,11 +41,12 @@ impl<'a> Voxels<'a> {
         let coefficients: Vec<f64> = state.values.iter().take(n_modes).map(|c| c * state.swirl_mps).collect();
         let swirls = self.air.modes.flow(&coefficients);
         let spreads = self.spreads(step);
+        let parts = state.parts();
         let mut sd = vec![0.0f32; self.grid.n_voxels()];
         for (flat, stream) in self.streams.iter().enumerate() {
             let Some(stream) = stream else { continue };
             let center_m = self.grid.cell_center_m(self.grid.unflat(flat));
-            let wind = stream.wind(state.outside(), state.wake(), state.layer_m());
+            let wind = stream.wind(state.outside(), &parts, state.wake(), state.layer_m());
             field.set_vector(flat, wind.velocity + swirls.at(center_m) * wind.layer);
             let (spread, known) = self.read(&spreads, center_m);
             sd[flat] = spread as f32;

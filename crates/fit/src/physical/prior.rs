@@ -2,7 +2,7 @@
 
 use super::smoother::{Carried, Wander};
 use super::solve::Problem;
-use crate::outside_direction;
+use crate::outside::fan_winds;
 use nalgebra::{DMatrix, DVector, Matrix3, Translation3};
 use rayon::prelude::*;
 use tousle_core::{Pose, Vec3};
@@ -42,8 +42,16 @@ pub(crate) fn swirl_mps(outside: Vec3, share: f64) -> f64 {
     f64::max(share * outside.norm(), LEAST_SWIRL_MPS)
 }
 
-/// Wind from the fans at every step, head axes, m/s; zero before they are on.
-pub(crate) fn fan_wind(problem: &Problem<'_>) -> Vec<Vec3> {
+/// What the fans are set to at a step.
+pub(crate) struct FanWind {
+    /// The wind of all together, head axes, m/s; zero before they are on.
+    pub(crate) velocity: Vec3,
+    /// Where each blows, head axes, unit length; zero for one that is off.
+    pub(crate) directions: Vec<Vec3>,
+}
+
+/// Wind from the fans at every step.
+pub(crate) fn fan_wind(problem: &Problem<'_>) -> Vec<FanWind> {
     let Problem { session, head, clock, rest_pose, .. } = problem;
     let speed: Vec3 = session.fans.iter().map(|f| f.blows_towards_head() * f.speed_mps).sum();
     let start_secs =
@@ -51,10 +59,13 @@ pub(crate) fn fan_wind(problem: &Problem<'_>) -> Vec<Vec3> {
     (0..clock.n_steps)
         .map(|k| {
             let time_secs = clock.time_secs(k);
-            if time_secs < start_secs || is_still(problem, k) {
-                return Vec3::zeros();
+            let winds = fan_winds(session, head, rest_pose, clock.pose(k), time_secs);
+            let is_on = time_secs >= start_secs && !is_still(problem, k);
+            let together = winds.iter().sum::<Vec3>().try_normalize(1e-9).unwrap_or_default() * speed.norm();
+            FanWind {
+                velocity: if is_on { together } else { Vec3::zeros() },
+                directions: winds.iter().map(|wind| wind.try_normalize(1e-9).unwrap_or_default()).collect(),
             }
-            outside_direction(session, head, rest_pose, clock.pose(k), time_secs) * speed.norm()
         })
         .collect()
 }
@@ -69,7 +80,7 @@ pub(crate) fn is_still(problem: &Problem<'_>, step: usize) -> bool {
 ///
 /// The stream carries swirls past (G. I. Taylor's hypothesis, "The spectrum of turbulence", 1938): what blows somewhere was
 /// upstream before, at the speed that `air` has far away.
-pub(crate) fn wander(problem: &Problem<'_>, fan_wind: &[Vec3], air: &AirFlow) -> Wander {
+pub(crate) fn wander(problem: &Problem<'_>, fan_wind: &[FanWind], air: &AirFlow) -> Wander {
     let n_modes = air.modes.n_modes();
     let n = n_modes + N_STREAM;
     let dt = 1.0 / problem.clock.rate_hz;
@@ -113,7 +124,7 @@ fn carried(problem: &Problem<'_>, air: &AirFlow, step: usize) -> Carried {
 /// A number that wanders by σ from step to step and is pulled back with a spread of s has a spread of √(σ s / 2) in the long
 /// run: s is chosen for [`FAN_SHARE`] of the fans' wind level with the ground, where fans are turned and take turns, and for
 /// [`RISING_SHARE`] of it up and down.
-pub(crate) fn known_outside(problem: &Problem<'_>, fan_wind: &[Vec3]) -> Vec<Matrix3<f64>> {
+pub(crate) fn known_outside(problem: &Problem<'_>, fan_wind: &[FanWind]) -> Vec<Matrix3<f64>> {
     let strongest = strongest_mps(fan_wind);
     let dt = 1.0 / problem.clock.rate_hz;
     let step_mps = FAN_SHARE * strongest * (2.0 * dt / OUTSIDE_LASTS_SECS).sqrt();
@@ -134,7 +145,7 @@ pub(crate) fn known_outside(problem: &Problem<'_>, fan_wind: &[Vec3]) -> Vec<Mat
 }
 
 /// The strongest wind that the fans make, m/s; where there is none, what may blow unnamed.
-fn strongest_mps(fan_wind: &[Vec3]) -> f64 {
-    let strongest = fan_wind.iter().map(Vec3::norm).fold(0.0, f64::max);
+fn strongest_mps(fan_wind: &[FanWind]) -> f64 {
+    let strongest = fan_wind.iter().map(|fans| fans.velocity.norm()).fold(0.0, f64::max);
     if strongest > 0.0 { strongest } else { UNNAMED_MPS }
 }

@@ -4,7 +4,7 @@ use super::PhysicalOptions;
 use super::evidence::{Evidence, Station};
 use super::lock::SeenLock;
 use super::moments::{Balance, DragSlope};
-use super::prior::{LOG_LAYER, SWIRL_SHARE, WAKE, fan_wind, known_outside, swirl_mps, wander};
+use super::prior::{FanWind, LOG_LAYER, SWIRL_SHARE, WAKE, fan_wind, known_outside, swirl_mps, wander};
 use super::smoother::{Said, Wander, most_likely};
 use super::taught::{DefectAt, Defects, Scales, Taught};
 use super::tracks::Clock;
@@ -81,8 +81,8 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
             .map(|step| ask(problem, &surroundings, &air, step, slope))
             .collect();
         let is_last = round + 1 == ROUNDS;
-        for (said, (precision, fan)) in said.iter_mut().zip(outside.iter().zip(&fan_wind)) {
-            said.of_air.add_outside(precision, *fan);
+        for (said, (precision, fans)) in said.iter_mut().zip(outside.iter().zip(&fan_wind)) {
+            said.of_air.add_outside(precision, fans.velocity);
         }
         let learns = round + 2 >= ROUNDS;
         let wander = wander(problem, &fan_wind, &air);
@@ -257,12 +257,18 @@ fn learnt_share(states: &[AirState], share: f64) -> f64 {
 }
 
 /// The fans' wind, no swirls, and wake and layer as they usually are.
-fn first_guess(fan_wind: &[Vec3], n_modes: usize) -> Vec<AirState> {
+fn first_guess(fan_wind: &[FanWind], n_modes: usize) -> Vec<AirState> {
     let n = n_modes + N_STREAM;
-    let state = |fan: &Vec3| {
+    let state = |fans: &FanWind| {
+        let fan = fans.velocity;
         let mut values = DVector::zeros(n);
         values.rows_mut(n_modes, N_STREAM).copy_from_slice(&[fan.x, fan.y, fan.z, WAKE[0], LOG_LAYER[0]]);
-        AirState { values, covariance: DMatrix::zeros(n, n), swirl_mps: swirl_mps(*fan, SWIRL_SHARE) }
+        AirState {
+            values,
+            covariance: DMatrix::zeros(n, n),
+            swirl_mps: swirl_mps(fan, SWIRL_SHARE),
+            fans: fans.directions.clone(),
+        }
     };
     fan_wind.iter().map(state).collect()
 }
