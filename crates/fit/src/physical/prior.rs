@@ -115,7 +115,7 @@ fn carried(problem: &Problem<'_>, air: &AirFlow, step: usize) -> Carried {
         * libm::exp(-dt / SWIRL_LASTS_SECS);
     let fresh = DMatrix::identity(n, n) - &by * by.transpose();
     let fresh = fresh.cholesky().map_or_else(|| DMatrix::identity(n, n), |factor| factor.inverse());
-    Carried { by, fresh }
+    Carried::new(by, fresh)
 }
 
 /// What is known of the wind far away at every step before any lock is asked: the precision matrix of its value, which is

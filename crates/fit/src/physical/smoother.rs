@@ -19,9 +19,17 @@ pub(crate) struct Wander {
 /// How some numbers come to a step from the one before.
 pub(crate) struct Carried {
     /// What they become.
-    pub(crate) by: DMatrix<f64>,
+    by: DMatrix<f64>,
     /// Precision of what is added anew.
-    pub(crate) fresh: DMatrix<f64>,
+    fresh: DMatrix<f64>,
+    /// `fresh` times `by`.
+    passed: DMatrix<f64>,
+}
+
+impl Carried {
+    pub(crate) fn new(by: DMatrix<f64>, fresh: DMatrix<f64>) -> Self {
+        Self { passed: &fresh * &by, by, fresh }
+    }
 }
 
 /// What a step's measurements say: ½ xᵀ `information` x − `vector`ᵀ x is least where they are met best.
@@ -47,8 +55,8 @@ impl Wander {
         } else {
             carried += &self.carried[step].fresh;
         }
-        if let Some(Carried { by, fresh }) = self.carried.get(step + 1) {
-            carried += by.tr_mul(&(fresh * by));
+        if let Some(Carried { by, passed, .. }) = self.carried.get(step + 1) {
+            carried += by.tr_mul(passed);
         }
         for i in n_carried..self.mean.len() {
             let drift = self.mean[i] * (1.0 - self.keeps[i]);
@@ -69,8 +77,7 @@ impl Wander {
         let n_carried = self.n_carried();
         let mut passed = DMatrix::from_diagonal(&self.keeps.component_mul(&self.fresh));
         if n_carried > 0 {
-            let Carried { by, fresh } = &self.carried[step];
-            passed.view_mut((0, 0), (n_carried, n_carried)).copy_from(&(fresh * by));
+            passed.view_mut((0, 0), (n_carried, n_carried)).copy_from(&self.carried[step].passed);
         }
         passed
     }
@@ -92,9 +99,10 @@ pub(crate) fn most_likely(wander: &Wander, said: &[Said], with_covariance: bool)
         let (mut block, mut right) = (said_now.information.clone(), said_now.vector.clone());
         wander.add(step, n_steps, &mut block, &mut right);
         if step > 0 {
-            let gain = wander.passed(step) * &inverses[step - 1];
+            let passed = wander.passed(step);
+            let gain = &passed * &inverses[step - 1];
             right += &gain * &rights[step - 1];
-            block -= gain * wander.passed(step).transpose();
+            block -= gain * passed.transpose();
         }
         inverses.push(block.cholesky()?.inverse());
         rights.push(right);
@@ -128,9 +136,11 @@ mod tests {
     /// Three steps of three numbers, of which two are carried, against the same least squares solved as one dense system.
     #[test]
     fn it_is_the_dense_answer() {
-        let carried = || Carried {
-            by: DMatrix::from_row_slice(2, 2, &[0.7, 0.2, -0.1, 0.5]),
-            fresh: DMatrix::from_row_slice(2, 2, &[3.0, 0.4, 0.4, 2.0]),
+        let carried = || {
+            Carried::new(
+                DMatrix::from_row_slice(2, 2, &[0.7, 0.2, -0.1, 0.5]),
+                DMatrix::from_row_slice(2, 2, &[3.0, 0.4, 0.4, 2.0]),
+            )
         };
         let wander = Wander {
             keeps: DVector::from_vec(vec![0.0, 0.0, 0.8]),
