@@ -1,4 +1,4 @@
-use crate::{Stream, StreamPart, SwirlModes, stream_parts};
+use crate::{Stream, StreamAt, StreamPart, SwirlModes, stream_parts};
 use nalgebra::{DMatrix, DVector};
 use tousle_core::Vec3;
 
@@ -98,10 +98,33 @@ impl AirFlow {
         let left_out = wind.left_out_mps * wind.left_out_mps;
         nalgebra::Matrix3::from_fn(|r, c| spread[(r, c)] + if r == c { left_out } else { 0.0 })
     }
+
+    /// The standard deviation of the wind at a step at many points, m/s a component: of each point, with the stream there, one.
+    /// All at once is several times as quick as [`AirFlow::covariance`] of one after the other.
+    pub fn spreads_mps(&self, step: usize, points: &[(Vec3, StreamAt)]) -> Vec<f64> {
+        let state = &self.states[step];
+        let n = state.values.len();
+        let mut changes = Vec::with_capacity(3 * n * points.len());
+        let mut left_out_mps = Vec::with_capacity(points.len());
+        for (point_m, stream) in points {
+            let wind = wind_at(stream, &self.modes, state, *point_m);
+            changes.extend(wind.change);
+            left_out_mps.push(wind.left_out_mps);
+        }
+        // A column for each component of each point.
+        let changes = DMatrix::from_vec(n, 3 * points.len(), changes);
+        let spread = &state.covariance * &changes;
+        let of_point = |(point, left_out): (usize, &f64)| {
+            let trace: f64 =
+                (3 * point..3 * point + 3).map(|c| changes.column(c).dot(&spread.column(c))).sum();
+            (f64::max(trace / 3.0, 0.0) + left_out * left_out).sqrt()
+        };
+        left_out_mps.iter().enumerate().map(of_point).collect()
+    }
 }
 
 /// The wind of a state at a point whose stream is known.
-pub fn wind_at(stream: &crate::StreamAt, modes: &SwirlModes, state: &AirState, point_m: Vec3) -> WindAt {
+pub fn wind_at(stream: &StreamAt, modes: &SwirlModes, state: &AirState, point_m: Vec3) -> WindAt {
     let n_modes = modes.n_modes();
     let n = n_modes + N_STREAM;
     let wind = stream.wind(state.outside(), &state.parts(), state.wake(), state.layer_m());
@@ -125,4 +148,29 @@ pub fn wind_at(stream: &crate::StreamAt, modes: &SwirlModes, state: &AirState, p
         row[n_modes + 4] = wind.by_log_layer[axis];
     }
     WindAt { velocity, change, left_out_mps: scale * f64::max(1.0 - carried / 3.0, 0.0).sqrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SwirlKernel;
+    use tousle_core::Body;
+
+    /// Many points at once are as sure as each by itself.
+    #[test]
+    fn spreads_are_the_covariances() {
+        let points: Vec<Vec3> = (0..8).map(|k| Vec3::new(0.12, 0.03 * f64::from(k), -0.1)).collect();
+        let modes = SwirlModes::near(&points, SwirlKernel { length_m: 0.1 }, 12, 0.05);
+        let n = modes.n_modes() + N_STREAM;
+        let mut values = DVector::from_fn(n, |i, _| 0.1 * i as f64);
+        values[n - 1] = -4.0;
+        let covariance = DMatrix::from_fn(n, n, |r, c| if r == c { 0.5 } else { 0.01 });
+        let state = AirState { values, covariance, swirl_mps: 0.4, fans: Vec::new() };
+        let air = AirFlow { stream: Stream::round(&Body::none()), modes, states: vec![state] };
+        let streams: Vec<_> = points.iter().map(|p| (*p, air.stream.at(*p))).collect();
+        for (spread, point) in air.spreads_mps(0, &streams).iter().zip(&points) {
+            let alone = (air.covariance(0, &air.at(0, *point)).trace() / 3.0).sqrt();
+            assert!((spread - alone).abs() < 1e-12, "{spread} {alone}");
+        }
+    }
 }

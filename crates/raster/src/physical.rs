@@ -1,4 +1,3 @@
-use nalgebra::Matrix3;
 use tousle_core::{Vec3, WindSample};
 use tousle_field::{Field, GridSpec, VoxelFlag};
 use tousle_flow::{AirFlow, StreamAt};
@@ -11,6 +10,8 @@ pub(crate) struct Voxels<'a> {
     streams: Vec<Option<StreamAt>>,
     /// A coarser lattice on which the uncertainty is known.
     coarse: GridSpec,
+    /// Its points, and what the stream does there.
+    coarse_points: Vec<(Vec3, StreamAt)>,
 }
 
 /// Distance of the points at which the uncertainty is computed, m: it changes as slowly as swirls do.
@@ -30,7 +31,12 @@ impl<'a> Voxels<'a> {
             .collect();
         let dims = grid.dims.map(|n| ((n as f64 * grid.edge_m / COARSE_M).ceil() as usize).max(1));
         let coarse = GridSpec { origin_m: grid.origin_m, edge_m: COARSE_M, dims };
-        Self { grid, air, streams, coarse }
+        let point = |flat| {
+            let point_m = coarse.cell_center_m(coarse.unflat(flat));
+            (point_m, air.stream.at(point_m))
+        };
+        let coarse_points = (0..coarse.n_voxels()).map(point).collect();
+        Self { grid, air, streams, coarse, coarse_points }
     }
 
     /// The air at a step: the most likely velocity at each center, how sure it is, and where it comes from.
@@ -65,15 +71,9 @@ impl<'a> Voxels<'a> {
 
     /// Standard deviation a component, and that of the swirls over what it was before, at the coarse points.
     fn spreads(&self, step: usize) -> Vec<(f64, f64)> {
-        let state = &self.air.states[step];
-        let of_point = |flat: usize| {
-            let point_m = self.coarse.cell_center_m(self.coarse.unflat(flat));
-            let wind = self.air.at(step, point_m);
-            let covariance: Matrix3<f64> = self.air.covariance(step, &wind);
-            let spread = f64::max(covariance.trace() / 3.0, 0.0).sqrt();
-            (spread, spread / state.swirl_mps)
-        };
-        (0..self.coarse.n_voxels()).map(of_point).collect()
+        let swirl_mps = self.air.states[step].swirl_mps;
+        let spreads_mps = self.air.spreads_mps(step, &self.coarse_points);
+        spreads_mps.into_iter().map(|spread| (spread, spread / swirl_mps)).collect()
     }
 
     fn read(&self, spreads: &[(f64, f64)], point_m: Vec3) -> (f64, f64) {
