@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::sync::LazyLock;
 use tousle_bench::worlds::{gusts, mannequin, wig};
 use tousle_core::{Body, NoProgress};
-use tousle_field::{FieldSequence, Sampler, Scene};
+use tousle_field::{FieldSequence, SAMPLED_AT_ONCE, Sampler, Scene};
 use tousle_sim::{Method, Precision, SimOptions, TimeMode, simulate};
 
 fn main() {
@@ -113,17 +113,23 @@ fn prepare_paper(bencher: Bencher<'_, '_>, run: Run) {
 fn only_sampling(bencher: Bencher<'_, '_>, run: Run) {
     let groom = wig(run.strands, N_POINTS);
     let sampler = Sampler::new(&WIND, |_| false);
-    let points: Vec<[f32; 3]> = groom
+    let middles: Vec<[f32; 3]> = groom
         .strands
         .iter()
         .flat_map(|s| s.rest_curve_m.windows(2).map(|p| ((p[0] + p[1]) / 2.0).map(|c| c as f32).into()))
         .collect();
-    let mut vectors = vec![[0.0; 3]; points.len()];
+    let points: Vec<[[f32; SAMPLED_AT_ONCE]; 3]> = middles
+        .chunks_exact(SAMPLED_AT_ONCE)
+        .map(|chunk| [0, 1, 2].map(|axis| core::array::from_fn(|k| chunk[k][axis])))
+        .collect();
+    let mut vectors = points.clone();
     run.measure(bencher, run.steps, || {
         for step in 0..run.steps {
             let moment = sampler.at(f64::from(step) / RATE_HZ % WIND.end_secs(), run.strands > 120);
-            points.par_chunks(1024).zip(vectors.par_chunks_mut(1024)).for_each(|(points, vectors)| {
-                moment.sample_all(points, vectors);
+            points.par_chunks(64).zip(vectors.par_chunks_mut(64)).for_each(|(points, vectors)| {
+                for (points, vectors) in points.iter().zip(vectors) {
+                    *vectors = moment.sample_many(points);
+                }
             });
             black_box(&mut vectors);
         }

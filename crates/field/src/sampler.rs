@@ -1,5 +1,5 @@
 use crate::{Field, FieldLayer, FieldSequence, GridSpec};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use tousle_core::Vec3;
 
 /// A field ready to be asked by very many points, in single precision.
@@ -11,6 +11,8 @@ pub struct Sampler<'a> {
     sequence: &'a FieldSequence,
     /// 1 for each voxel with air, 0 for one without; `None` if all have some.
     air: Option<Arc<[f32]>>,
+    /// Each step as it is looked up, once someone asks for it.
+    laid_out: Arc<[OnceLock<Voxels>]>,
     /// Whether a step is still, outside the grid too.
     is_still: Arc<[bool]>,
     layers: Vec<Placed<'a>>,
@@ -57,24 +59,31 @@ impl<'a> Placed<'a> {
     }
 }
 
+/// A vector and a weight (0 without air) a voxel, and one voxel more, so that each has a next one.
+type Voxels = Box<[[f32; 4]]>;
+
 /// Where a moment's vectors are.
 #[derive(Clone, Debug)]
 enum Source<'a> {
     /// Two neighboring steps and the share of the second, laid together for each point.
-    Steps { before: &'a Field, after: &'a Field, share: f32 },
-    /// Laid together beforehand: a vector and a weight (0 without air) a voxel.
-    Together(Vec<[f32; 4]>),
+    Steps { before: &'a Voxels, after: &'a Voxels, share: f32 },
+    /// Laid together beforehand.
+    Together(Voxels),
 }
 
 /// How many points are looked up side by side.
-const WIDTH: usize = 8;
+pub const SAMPLED_AT_ONCE: usize = 16;
 
-/// Where some points lie in the grid: the voxels around each, their weights, and how much of the wind there is that
-/// outside the grid.
+const WIDTH: usize = SAMPLED_AT_ONCE;
+
+/// Where some points lie in the grid.
 struct Places {
-    /// Corner after corner, the last axis fastest.
-    flats: [[u32; WIDTH]; 8],
-    weights: [[f32; WIDTH]; 8],
+    /// The voxel before each point along all axes; how far it is to the next along x and along y (0 at the grid's side).
+    low: [u32; WIDTH],
+    steps: [[u32; WIDTH]; 2],
+    /// How far along the way to the next voxel each point is, 0 to 1, along x, y, z.
+    shares: [[f32; WIDTH]; 3],
+    /// How much of the wind there is that outside the grid.
     far: [f32; WIDTH],
 }
 
@@ -101,6 +110,7 @@ impl<'a> Sampler<'a> {
         let is_still = |step: &Field| step.outside == Vec3::zeros() && step.u.iter().all(|u| *u == 0.0);
         Self {
             sequence,
+            laid_out: sequence.steps.iter().map(|_| OnceLock::new()).collect(),
             is_still: sequence.steps.iter().map(is_still).collect(),
             air: any_without.then(|| has_air.iter().map(|air| f32::from(u8::from(*air))).collect()),
             layers: sequence.layers.iter().filter_map(|layer| Placed::new(layer, None)).collect(),
@@ -117,7 +127,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// The same steps under other layers, for variants that are asked for in turn: of the points given to
-    /// [`Moment::sample_all`], every n-th belongs to the same of n variants and sees its layers beside the common ones.
+    /// [`Moment::sample_many`], every n-th belongs to the same of n variants and sees its layers beside the common ones.
     pub fn with_variants(&self, layers: &'a [FieldLayer], variants: &[&'a [FieldLayer]]) -> Self {
         let common = layers.iter().filter_map(|layer| Placed::new(layer, None));
         let own = variants
@@ -130,20 +140,21 @@ impl<'a> Sampler<'a> {
     /// The field at a time, s; before the first step the first holds, after the last the last.
     ///
     /// `together` lays the two steps around the time together for the whole grid: worth it for more points than
-    /// the grid has voxels over six.
+    /// the grid has voxels over six. The vectors are the same to the bit.
     ///
     /// # Panics
     /// If the sequence has no step.
     pub fn at(&'a self, time_secs: f64, together: bool) -> Moment<'a> {
         let slice = self.sequence.at(time_secs);
         let (around, share) = slice.around();
-        let [before, after] = around.map(|step| &self.sequence.steps[step]);
+        let [before, after] = around.map(|step| self.laid_out[step].get_or_init(|| self.lay_out(step)));
+        let share = share as f32;
         let layers = self.layers.iter().map(|placed| (placed, placed.layer.presence(time_secs)));
         let layers: Vec<_> = layers.filter(|(_, presence)| *presence > 0.0).collect();
         let source = if together {
-            Source::Together(self.lay_together(before, after, share as f32))
+            Source::Together(before.iter().zip(after).map(|(a, b)| between(*a, *b, share)).collect())
         } else {
-            Source::Steps { before, after, share: share as f32 }
+            Source::Steps { before, after, share }
         };
         Moment {
             sampler: self,
@@ -154,61 +165,64 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    fn lay_together(&self, before: &Field, after: &Field, share: f32) -> Vec<[f32; 4]> {
-        let n = before.flags.len();
+    fn lay_out(&self, step: usize) -> Voxels {
+        let field = &self.sequence.steps[step];
+        let n = field.flags.len();
         // Slices of one length: only so the compiler makes vector instructions of the loop.
-        let [[ax, ay, az], [bx, by, bz]] =
-            [before, after].map(|step| [0, 1, 2].map(|axis| &step.u[axis * n..][..n]));
-        let mut voxels = vec![[0.0; 4]; n];
+        let [x, y, z] = [0, 1, 2].map(|axis| &field.u[axis * n..][..n]);
+        let mut voxels = vec![[0.0; 4]; n + 1];
         for v in 0..n {
-            let at = |a: &[f32], b: &[f32]| a[v] + (b[v] - a[v]) * share;
-            voxels[v] = [at(ax, bx), at(ay, by), at(az, bz), 1.0];
+            voxels[v] = [x[v], y[v], z[v], 1.0];
         }
         if let Some(air) = &self.air {
             for (voxel, air) in voxels.iter_mut().zip(&air[..]) {
                 voxel[3] = *air;
             }
         }
-        voxels
+        voxels.into_boxed_slice()
     }
 
     /// Where points lie in the grid.
     #[inline(always)]
-    fn places(&self, points_m: &[[f32; 3]; WIDTH]) -> Places {
+    fn places(&self, points_m: &[[f32; WIDTH]; 3]) -> Places {
         let GridSpec { dims, .. } = self.sequence.grid;
-        let strides = [dims[1] * dims[2], dims[2], 1];
+        let strides = [(dims[1] * dims[2]) as u32, dims[2] as u32, 1];
         let mut low = [0; WIDTH];
-        let mut steps = [[0; WIDTH]; 3];
+        let mut steps = [[0; WIDTH]; 2];
         let mut shares = [[0.0; WIDTH]; 3];
         let mut beyond2 = [0.0f32; WIDTH];
         for axis in 0..3 {
             let (size, last) = (dims[axis] as f32, dims[axis] - 1);
             for k in 0..WIDTH {
-                let place = (points_m[k][axis] - self.origin[axis]) * self.per_edge;
+                let place = (points_m[axis][k] - self.origin[axis]) * self.per_edge;
                 let beyond = larger(larger(-place, place - size), 0.0);
                 beyond2[k] += beyond * beyond;
                 let at = smaller(larger(place - 0.5, 0.0), last as f32);
                 let voxel = floor_index(at);
                 shares[axis][k] = at - voxel as f32;
-                low[k] += voxel * strides[axis] as u32;
-                steps[axis][k] = if voxel < last as u32 { strides[axis] as u32 } else { 0 };
-            }
-        }
-        let mut flats = [low; 8];
-        let mut weights = [[1.0; WIDTH]; 8];
-        for corner in 0..8 {
-            for axis in 0..3 {
-                let is_far = corner >> (2 - axis) & 1 == 1;
-                for k in 0..WIDTH {
-                    let share = shares[axis][k];
-                    flats[corner][k] += if is_far { steps[axis][k] } else { 0 };
-                    weights[corner][k] *= if is_far { share } else { 1.0 - share };
+                low[k] += voxel * strides[axis];
+                if axis < 2 {
+                    steps[axis][k] = if voxel < last as u32 { strides[axis] } else { 0 };
                 }
             }
         }
         let per_fade = 1.0 / (self.per_edge * self.fades_over);
-        Places { flats, weights, far: beyond2.map(|b2| smaller(b2.sqrt() * per_fade, 1.0)) }
+        let mut far = [0.0; WIDTH];
+        for k in 0..WIDTH {
+            far[k] = smaller(beyond2[k].sqrt() * per_fade, 1.0);
+        }
+        Places { low, steps, shares, far }
     }
+}
+
+/// Each number between two others.
+#[inline(always)]
+fn between<const N: usize>(a: [f32; N], b: [f32; N], share: f32) -> [f32; N] {
+    let mut found = a;
+    for k in 0..N {
+        found[k] += (b[k] - a[k]) * share;
+    }
+    found
 }
 
 /// The larger of two; the second if the first is NaN.
@@ -239,94 +253,92 @@ impl Moment<'_> {
         self.is_still
     }
 
-    /// The vectors at points, head space, m, layers included; where no air is, zero.
+    /// The vectors at points, head space, m, layers included; where no air is, zero. By components.
     ///
-    /// Inlined into the caller, so that it is compiled for the processor that the caller was dispatched for: to be
-    /// called once for many points, not in a loop.
-    ///
-    /// # Panics
-    /// If there are fewer vectors than points.
+    /// Inlined into the caller, so that it is compiled for the processor that the caller was dispatched for.
     #[inline(always)]
-    pub fn sample_all(&self, points_m: &[[f32; 3]], vectors: &mut [[f32; 3]]) {
-        for (points, vectors) in points_m.chunks(WIDTH).zip(vectors[..points_m.len()].chunks_mut(WIDTH)) {
-            // The last few are made up to a whole chunk with their own first.
-            let mut chunk = [points[0]; WIDTH];
-            chunk[..points.len()].copy_from_slice(points);
-            let places = self.sampler.places(&chunk);
-            let near = match &self.source {
-                Source::Together(voxels) => places.gather_together(voxels),
-                Source::Steps { before, after, share } => {
-                    places.gather_steps(before, after, *share, self.sampler.air.as_deref())
-                }
-            };
-            for (k, vector) in vectors.iter_mut().enumerate() {
-                let per_weight = if near[k][3] > 1e-6 { 1.0 / near[k][3] } else { 0.0 };
-                for axis in 0..3 {
-                    let inside = near[k][axis] * per_weight;
-                    vector[axis] = inside + (self.outside[axis] - inside) * places.far[k];
-                }
+    pub fn sample_many(&self, points_m: &[[f32; WIDTH]; 3]) -> [[f32; WIDTH]; 3] {
+        let places = self.sampler.places(points_m);
+        let sums = match &self.source {
+            Source::Together(voxels) => places.gather(voxels),
+            Source::Steps { before, after, share } => places.gather(&Mixed { before, after, share: *share }),
+        };
+        let mut vectors = [[0.0; WIDTH]; 3];
+        for k in 0..WIDTH {
+            let per_weight = if sums[3][k] > 1e-6 { 1.0 / sums[3][k] } else { 0.0 };
+            for axis in 0..3 {
+                let inside = sums[axis][k] * per_weight;
+                vectors[axis][k] = inside + (self.outside[axis] - inside) * places.far[k];
             }
         }
         if !self.layers.is_empty() {
-            self.add_layers(points_m, vectors);
+            self.add_layers(points_m, &mut vectors);
         }
+        vectors
     }
 
-    /// [`Moment::sample_all`] for a single point.
+    /// [`Moment::sample_many`] for a single point.
     pub fn sample(&self, point_m: [f32; 3]) -> [f32; 3] {
-        let mut vector = [[0.0; 3]];
-        self.sample_all(&[point_m], &mut vector);
-        vector[0]
+        self.sample_many(&point_m.map(|c| [c; WIDTH])).map(|component| component[0])
     }
 
     #[inline(never)]
-    fn add_layers(&self, points_m: &[[f32; 3]], vectors: &mut [[f32; 3]]) {
-        for (k, (point_m, vector)) in points_m.iter().zip(vectors).enumerate() {
-            let point_m = Vec3::from(point_m.map(f64::from));
+    fn add_layers(&self, points_m: &[[f32; WIDTH]; 3], vectors: &mut [[f32; WIDTH]; 3]) {
+        for k in 0..WIDTH {
+            let point_m = Vec3::from(points_m.map(|component| f64::from(component[k])));
             let acting =
                 self.layers.iter().filter(|(placed, _)| placed.acts_at(point_m, k, self.sampler.turns));
-            let before = Vec3::from(vector.map(f64::from));
+            let before = Vec3::from([0, 1, 2].map(|axis| f64::from(vectors[axis][k])));
             let after = acting.fold(before, |v, (placed, share)| placed.layer.apply(point_m, *share, v));
-            *vector = after.map(|c| c as f32).into();
+            for axis in 0..3 {
+                vectors[axis][k] = after[axis] as f32;
+            }
         }
     }
 }
 
-impl Places {
-    /// Sums of vectors and of weights that count.
-    #[inline(always)]
-    fn gather_together(&self, voxels: &[[f32; 4]]) -> [[f32; 4]; WIDTH] {
-        let mut sums = [[0.0f32; 4]; WIDTH];
-        for (k, sum) in sums.iter_mut().enumerate() {
-            for corner in 0..8 {
-                let (voxel, weight) = (voxels[self.flats[corner][k] as usize], self.weights[corner][k]);
-                for (sum, value) in sum.iter_mut().zip(voxel) {
-                    *sum += value * weight;
-                }
-            }
-        }
-        sums
-    }
+/// Where to find a voxel and the next along z; at the grid's side another one, of which nothing is taken.
+trait Pairs {
+    fn pair(&self, flat: u32) -> [f32; 8];
+}
 
+impl Pairs for Voxels {
     #[inline(always)]
-    fn gather_steps(
-        &self,
-        before: &Field,
-        after: &Field,
-        share: f32,
-        air: Option<&[f32]>,
-    ) -> [[f32; 4]; WIDTH] {
-        let n = before.flags.len();
-        let mut sums = [[0.0f32; 4]; WIDTH];
-        for (k, sum) in sums.iter_mut().enumerate() {
-            for corner in 0..8 {
-                let flat = self.flats[corner][k] as usize;
-                let weight = self.weights[corner][k] * air.map_or(1.0, |air| air[flat]);
-                for (axis, sum) in sum.iter_mut().take(3).enumerate() {
-                    let (a, b) = (before.u[axis * n + flat], after.u[axis * n + flat]);
-                    *sum += (a + (b - a) * share) * weight;
-                }
-                sum[3] += weight;
+    fn pair(&self, flat: u32) -> [f32; 8] {
+        let mut pair = [0.0; 8];
+        pair.copy_from_slice(self[flat as usize..flat as usize + 2].as_flattened());
+        pair
+    }
+}
+
+/// Two steps and the share of the second.
+struct Mixed<'a> {
+    before: &'a Voxels,
+    after: &'a Voxels,
+    share: f32,
+}
+
+impl Pairs for Mixed<'_> {
+    #[inline(always)]
+    fn pair(&self, flat: u32) -> [f32; 8] {
+        between(self.before.pair(flat), self.after.pair(flat), self.share)
+    }
+}
+
+impl Places {
+    /// Vectors and weights between the eight voxels around each point, by components.
+    #[inline(always)]
+    fn gather(&self, voxels: &impl Pairs) -> [[f32; WIDTH]; 4] {
+        let mut sums = [[0.0; WIDTH]; 4];
+        for k in 0..WIDTH {
+            let (low, step_x, step_y) = (self.low[k], self.steps[0][k], self.steps[1][k]);
+            let near_x = between(voxels.pair(low), voxels.pair(low + step_y), self.shares[1][k]);
+            let low = low + step_x;
+            let far_x = between(voxels.pair(low), voxels.pair(low + step_y), self.shares[1][k]);
+            let along_z = between(near_x, far_x, self.shares[0][k]);
+            for axis in 0..4 {
+                let (near, far) = (along_z[axis], along_z[4 + axis]);
+                sums[axis][k] = near + (far - near) * self.shares[2][k];
             }
         }
         sums
@@ -405,9 +417,10 @@ mod tests {
         let (common, first, second) = ([layer(Vec3::z())], [layer(Vec3::x())], [layer(Vec3::y())]);
         let sampler = Sampler::new(&still, |_| false);
         let variants = sampler.with_variants(&common, &[&first, &second]);
-        let mut found = [[0.0; 3]; 4];
-        let points = [[0.0; 3], [0.0; 3], [0.0; 3], [0.2, 0.0, 0.0]];
-        variants.at(1.0, false).sample_all(&points, &mut found);
+        let mut points = [[0.0; WIDTH]; 3];
+        points[0][3] = 0.2;
+        let found = variants.at(1.0, false).sample_many(&points);
+        let found = [0, 1, 2, 3].map(|k| found.map(|component| component[k]));
         assert_eq!(found, [[1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [0.0; 3]]);
         assert_eq!(sampler.with_layers(&common).at(1.0, false).sample([0.0; 3]), [0.0, 0.0, 1.0]);
     }

@@ -66,7 +66,7 @@ impl<L: Lane> JointStep<L> {
         let phase = swing2.max(L::zero()).sqrt();
         let sin = sine_to_quarter(phase.min(L::splat(FRAC_PI_2)) * L::splat(0.5));
         let mut share = (faded * faded + remains * sin * sin * L::splat(4.0)) / phase2;
-        if swing2.smallest() <= 0.0 {
+        if !swing2.all_above(L::zero()) {
             let fast = fades + (-swing2).max(L::zero()).sqrt();
             // The slow root from the product of both: their difference would cancel.
             let slow = fast.above(L::zero(), phase2 / fast, L::zero());
@@ -92,16 +92,16 @@ fn mean_fade<L: Lane>(x: L) -> L {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::Wide1;
+    use crate::lane::F64x1;
 
     /// A joint with I = 2.
-    fn joint(resistance: f64, strength: f64) -> JointEquation<Wide1> {
-        let [resistance, strength] = [resistance, strength].map(Wide1::splat);
-        JointEquation { per_inertia: Wide1::splat(0.5), resistance, strength }
+    fn joint(resistance: f64, strength: f64) -> JointEquation<F64x1> {
+        let [resistance, strength] = [resistance, strength].map(F64x1::splat);
+        JointEquation { per_inertia: F64x1::splat(0.5), resistance, strength }
     }
 
     /// What a step does with a rate and with a torque.
-    fn step(integrator: Integrator, joint: JointEquation<Wide1>, dt_secs: f64) -> (f64, f64) {
+    fn step(integrator: Integrator, joint: JointEquation<F64x1>, dt_secs: f64) -> (f64, f64) {
         let step = JointStep::new(integrator, joint, dt_secs);
         (step.rate_per_rate.get(0), step.rate_per_torque.get(0))
     }
@@ -109,7 +109,7 @@ mod tests {
     /// Angles after each of `n` steps under H = 1, from angle 0 and a mean rate before it.
     fn angles(
         integrator: Integrator,
-        joint: JointEquation<Wide1>,
+        joint: JointEquation<F64x1>,
         n: usize,
         dt_secs: f64,
         rate: f64,

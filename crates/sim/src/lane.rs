@@ -8,17 +8,21 @@
 mod array;
 mod functions;
 mod matrix;
+mod number;
 mod quaternion;
+mod registers;
 mod vector;
 
-pub(crate) use array::{Wide1, Wide4, Wide8};
+pub(crate) use array::{F32x1, F32x8, F32x16, F64x1, F64x4, F64x8};
 pub(crate) use functions::{cos_and_sine_share, fade, series, sine_to_quarter};
 pub(crate) use matrix::{Matrix, Symmetric};
 pub(crate) use quaternion::Turn;
+pub(crate) use registers::{Registers, WithLanes};
 pub(crate) use vector::Vector;
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use pulp::NullaryFnOnce;
 
 /// Numbers of several strands, one a strand.
 pub(crate) trait Lane:
@@ -26,6 +30,7 @@ pub(crate) trait Lane:
     + Debug
     + Send
     + Sync
+    + 'static
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
@@ -36,6 +41,12 @@ pub(crate) trait Lane:
 {
     /// How many strands.
     const N: usize;
+
+    /// Calls something, compiled for registers as wide as this.
+    ///
+    /// # Panics
+    /// If the machine has no such registers; [`Registers::widest`] says.
+    fn dispatch<Op: NullaryFnOnce>(op: Op) -> Op::Output;
 
     /// The same number for all.
     fn splat(value: f64) -> Self;
@@ -49,11 +60,25 @@ pub(crate) trait Lane:
     /// This times `by` plus `to`, rounded once.
     fn mul_add(self, by: Self, to: Self) -> Self;
 
-    /// The square root.
-    fn sqrt(self) -> Self;
+    /// One over the square root of numbers that are not negative, to a few units in the last place; of 0 something
+    /// large. Without a division or a root, which processors make one at a time.
+    fn per_sqrt(self) -> Self;
 
-    /// The cube root of numbers that are not negative, to a few digits less than the type holds.
-    fn cbrt(self) -> Self;
+    /// One over the sixth root of numbers from 1e-24 to 1e20, to a digit or two less than the type holds.
+    fn per_sixth_root(self) -> Self;
+
+    /// The square root of numbers that are not negative, to a few units in the last place.
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self * self.per_sqrt()
+    }
+
+    /// The cube root of numbers that are not negative, to a digit or two less than the type holds.
+    #[inline(always)]
+    fn cbrt(self) -> Self {
+        let per_root = (self * self).max(Self::splat(1e-24)).per_sixth_root();
+        self * per_root * per_root
+    }
 
     /// The nearest whole number; between two, the even one.
     fn round(self) -> Self;
@@ -70,17 +95,26 @@ pub(crate) trait Lane:
     /// `yes` where `self` is above `bound`, else `no`.
     fn above(self, bound: Self, yes: Self, no: Self) -> Self;
 
+    /// Whether any is above its bound.
+    fn any_above(self, bound: Self) -> bool;
+
+    /// Whether all are above their bounds.
+    fn all_above(self, bound: Self) -> bool;
+
     /// 0 for all.
+    #[inline(always)]
     fn zero() -> Self {
         Self::splat(0.0)
     }
 
     /// 1 for all.
+    #[inline(always)]
     fn one() -> Self {
         Self::splat(1.0)
     }
 
     /// The number of one strand for each, as a function of its place.
+    #[inline(always)]
     fn from_fn(mut f: impl FnMut(usize) -> f64) -> Self {
         let mut lanes = Self::zero();
         for lane in 0..Self::N {
@@ -89,14 +123,8 @@ pub(crate) trait Lane:
         lanes
     }
 
-    /// The smallest of all; NaN if any is.
-    fn smallest(self) -> f64 {
-        (0..Self::N)
-            .map(|lane| self.get(lane))
-            .fold(f64::INFINITY, |a, b| if b < a || b.is_nan() { b } else { a })
-    }
-
     /// The largest of all; NaN counts as infinite.
+    #[inline(always)]
     fn largest(self) -> f64 {
         (0..Self::N).map(|lane| self.get(lane)).fold(f64::NEG_INFINITY, |a, b| {
             let b = if b.is_nan() { f64::INFINITY } else { b };

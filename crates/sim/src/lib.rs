@@ -21,6 +21,7 @@ mod resident;
 mod stability;
 mod timeline;
 mod touchable;
+mod wind;
 
 pub use error::SimError;
 pub use frames::max_stretch;

@@ -133,7 +133,7 @@ impl<L: Lane> pulp::NullaryFnOnce for Step<'_, '_, L> {
 impl<L: Lane> Batch<L> {
     /// One step of E1 for every joint. `work` is room for it.
     fn step(&mut self, work: &mut Vec<Work<L>>, model: &PaperModel, scene: &StepScene<'_>) {
-        pulp::Arch::new().dispatch(Step { batch: self, work, model, scene });
+        L::dispatch(Step { batch: self, work, model, scene });
     }
 
     #[inline(always)]
@@ -205,7 +205,7 @@ impl<L: Lane> Batch<L> {
             let angle2 = turn.norm_squared();
             let (cos, sine_share) = cos_and_sine_share(angle2.min(L::one()));
             let mut to = direction.mul_add(cos, turn.cross(*direction) * sine_share);
-            if angle2.largest() > 1.0 {
+            if angle2.any_above(L::one()) {
                 let far = |lane: usize| turned(direction.get(lane), turn.get(lane));
                 to = Vector::where_above(angle2, L::one(), Vector::from_fn(far), to);
             }

@@ -56,7 +56,7 @@ const STICK_STEPS_PER_PART: usize = 200_000_000;
 const LEAST_STRANDS: usize = 64;
 
 /// Strands of a part are a multiple of this, so that every register is full.
-const STRANDS_AT_ONCE: usize = 8;
+const STRANDS_AT_ONCE: usize = 16;
 
 /// Runs a groom's strands, all at once, or part by part if someone keeps them.
 ///

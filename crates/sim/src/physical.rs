@@ -23,4 +23,5 @@ mod scene;
 mod stability;
 
 pub(crate) use contact::gaps;
+pub(crate) use drag::STILL2;
 pub(crate) use run::{Held, Ready};

@@ -1,21 +1,13 @@
 use super::Lane;
+use super::functions::closer;
+use super::number::Number;
+use super::registers::{on_any, on_bits_256, on_bits_512, on_scalars};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
-
-/// One strand by itself, in double precision.
-pub(crate) type Wide1 = Wide<f64, 1>;
-/// Four strands in double precision: one register of 256 bits.
-pub(crate) type Wide4 = Wide<f64, 4>;
-/// Eight strands in single precision: one register of 256 bits.
-pub(crate) type Wide8 = Wide<f32, 8>;
-
-/// Numbers of `N` strands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(align(32))]
-pub(crate) struct Wide<T, const N: usize>([T; N]);
+use pulp::NullaryFnOnce;
 
 macro_rules! elementwise {
-    ($t:ty, $trait:ident, $method:ident, $op:tt) => {
-        impl<const N: usize> $trait for Wide<$t, N> {
+    ($name:ident, $trait:ident, $method:ident, $op:tt) => {
+        impl $trait for $name {
             type Output = Self;
 
             #[inline(always)]
@@ -29,14 +21,20 @@ macro_rules! elementwise {
     };
 }
 
+/// Numbers of `$n` strands, as wide as the registers that `$dispatch` compiles for.
 macro_rules! lane {
-    ($t:ty, $from:expr, $cbrt:path, $exp2:path) => {
-        elementwise!($t, Add, add, +=);
-        elementwise!($t, Sub, sub, -=);
-        elementwise!($t, Mul, mul, *=);
-        elementwise!($t, Div, div, /=);
+    ($(#[$doc:meta])* $name:ident, $t:ident, $n:literal, $align:literal, $dispatch:path) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[repr(align($align))]
+        pub(crate) struct $name([$t; $n]);
 
-        impl<const N: usize> Neg for Wide<$t, N> {
+        elementwise!($name, Add, add, +=);
+        elementwise!($name, Sub, sub, -=);
+        elementwise!($name, Mul, mul, *=);
+        elementwise!($name, Div, div, /=);
+
+        impl Neg for $name {
             type Output = Self;
 
             #[inline(always)]
@@ -48,26 +46,31 @@ macro_rules! lane {
             }
         }
 
-        impl<const N: usize> AddAssign for Wide<$t, N> {
+        impl AddAssign for $name {
             #[inline(always)]
             fn add_assign(&mut self, other: Self) {
                 *self = *self + other;
             }
         }
 
-        impl<const N: usize> SubAssign for Wide<$t, N> {
+        impl SubAssign for $name {
             #[inline(always)]
             fn sub_assign(&mut self, other: Self) {
                 *self = *self - other;
             }
         }
 
-        impl<const M: usize> Lane for Wide<$t, M> {
-            const N: usize = M;
+        impl Lane for $name {
+            const N: usize = $n;
+
+            #[inline(always)]
+            fn dispatch<Op: NullaryFnOnce>(op: Op) -> Op::Output {
+                $dispatch(op)
+            }
 
             #[inline(always)]
             fn splat(value: f64) -> Self {
-                Self([$from(value); M])
+                Self([$t::nearest(value); $n])
             }
 
             #[inline(always)]
@@ -77,31 +80,42 @@ macro_rules! lane {
 
             #[inline(always)]
             fn set(&mut self, lane: usize, value: f64) {
-                self.0[lane] = $from(value);
+                self.0[lane] = $t::nearest(value);
             }
 
             #[inline(always)]
             fn mul_add(mut self, by: Self, to: Self) -> Self {
-                for k in 0..M {
+                for k in 0..$n {
                     self.0[k] = self.0[k].mul_add(by.0[k], to.0[k]);
                 }
                 self
             }
 
             #[inline(always)]
-            fn sqrt(mut self) -> Self {
-                for a in &mut self.0 {
-                    *a = a.sqrt();
+            fn per_sqrt(self) -> Self {
+                let mut root = self;
+                for a in &mut root.0 {
+                    *a = a.guess_per_sqrt();
                 }
-                self
+                for terms in $t::TO_PER_SQRT {
+                    let rest = (-self * root).mul_add(root, Self::one());
+                    root = closer(root, rest, terms);
+                }
+                root
             }
 
             #[inline(always)]
-            fn cbrt(mut self) -> Self {
-                for a in &mut self.0 {
-                    *a = $cbrt(*a);
+            fn per_sixth_root(self) -> Self {
+                let mut root = self;
+                for a in &mut root.0 {
+                    *a = a.guess_per_sixth_root();
                 }
-                self
+                for terms in $t::TO_PER_SIXTH_ROOT {
+                    let cube = root * root * root;
+                    let rest = (-self * cube).mul_add(cube, Self::one());
+                    root = closer(root, rest, terms);
+                }
+                root
             }
 
             #[inline(always)]
@@ -115,7 +129,7 @@ macro_rules! lane {
             #[inline(always)]
             fn exp2_whole(mut self) -> Self {
                 for a in &mut self.0 {
-                    *a = $exp2(*a);
+                    *a = a.exp2_whole();
                 }
                 self
             }
@@ -138,71 +152,84 @@ macro_rules! lane {
 
             #[inline(always)]
             fn above(self, bound: Self, mut yes: Self, no: Self) -> Self {
-                for k in 0..M {
+                for k in 0..$n {
                     yes.0[k] = if self.0[k] > bound.0[k] { yes.0[k] } else { no.0[k] };
                 }
                 yes
+            }
+
+            #[inline(always)]
+            fn any_above(self, bound: Self) -> bool {
+                let mut any = false;
+                for k in 0..$n {
+                    any |= self.0[k] > bound.0[k];
+                }
+                any
+            }
+
+            #[inline(always)]
+            fn all_above(self, bound: Self) -> bool {
+                let mut all = true;
+                for k in 0..$n {
+                    all &= self.0[k] > bound.0[k];
+                }
+                all
             }
         }
     };
 }
 
-lane!(f32, |value: f64| value as f32, cbrt32, exp2_whole32);
-lane!(f64, |value: f64| value, cbrt64, exp2_whole64);
-
-/// The exponent's bits are the number plus 127. Added to 2²³ it stands in the last bits, and is shifted from there.
-#[inline(always)]
-fn exp2_whole32(x: f32) -> f32 {
-    f32::from_bits((x + (8_388_608.0 + 127.0)).to_bits() << 23)
-}
-
-/// As [`exp2_whole32`].
-#[inline(always)]
-fn exp2_whole64(x: f64) -> f64 {
-    f64::from_bits((x + (4_503_599_627_370_496.0 + 1023.0)).to_bits() << 52)
-}
-
-/// A third of the exponent's bits is a guess within 4 %; Halley's iteration cubes that error.
-#[inline(always)]
-fn cbrt32(x: f32) -> f32 {
-    let mut root = f32::from_bits(x.to_bits() / 3 + 0x2a51_19f2);
-    for _ in 0..2 {
-        let cube = root * root * root;
-        root *= (cube + 2.0 * x) / (2.0 * cube + x);
-    }
-    if x > f32::MIN_POSITIVE { root } else { 0.0 }
-}
-
-/// As [`cbrt32`], to about 1e-13.
-#[inline(always)]
-fn cbrt64(x: f64) -> f64 {
-    let mut root = f64::from_bits(x.to_bits() / 3 + 0x2a9f_7893_0000_0000);
-    for _ in 0..2 {
-        let cube = root * root * root;
-        root *= (cube + 2.0 * x) / (2.0 * cube + x);
-    }
-    if x > f64::MIN_POSITIVE { root } else { 0.0 }
-}
+lane!(
+    /// One strand by itself, in double precision.
+    F64x1, f64, 1, 8, on_any
+);
+lane!(
+    /// Four strands in double precision: one register of 256 bits.
+    F64x4, f64, 4, 32, on_bits_256
+);
+lane!(
+    /// Eight strands in double precision: one register of 512 bits.
+    F64x8, f64, 8, 64, on_bits_512
+);
+lane!(
+    /// One strand by itself, in single precision.
+    F32x1, f32, 1, 4, on_scalars
+);
+lane!(
+    /// Eight strands in single precision: one register of 256 bits.
+    F32x8, f32, 8, 32, on_bits_256
+);
+lane!(
+    /// Sixteen strands in single precision: one register of 512 bits.
+    F32x16, f32, 16, 64, on_bits_512
+);
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn cube_roots_are_cube_roots() {
-        for x in [1e-30, 1e-3, 1.0, 27.0, 1e20] {
-            assert!((cbrt32(x as f32) / libm::cbrtf(x as f32) - 1.0).abs() < 1e-6, "{x}");
-            assert!((cbrt64(x) / libm::cbrt(x) - 1.0).abs() < 1e-12, "{x}");
+    fn roots_are_roots() {
+        for x in [1e-24, 1e-3, 0.5, 1.0, 1.9, 27.0, 1e20] {
+            let (square, sixth) = (1.0 / libm::sqrt(x), 1.0 / libm::sqrt(libm::cbrt(x)));
+            let close = |found: f64, expected: f64, tolerance: f64| {
+                assert!((found / expected - 1.0).abs() < tolerance, "{x}: {found}, expected {expected}");
+            };
+            close(F64x4::splat(x).per_sqrt().get(1), square, 1e-15);
+            close(F64x4::splat(x).per_sixth_root().get(1), sixth, 1e-13);
+            close(F32x8::splat(x).per_sqrt().get(1), square, 2e-7);
+            close(F32x8::splat(x).per_sixth_root().get(1), sixth, 3e-7);
         }
-        assert_eq!((cbrt32(0.0), cbrt64(0.0)), (0.0, 0.0));
+        assert_eq!((F64x1::zero().sqrt().get(0), F32x1::zero().sqrt().get(0)), (0.0, 0.0));
+        assert!(F64x1::splat(f64::NAN).sqrt().get(0).is_nan());
     }
 
     #[test]
     fn a_choice_is_made_for_each_strand() {
-        let x = Wide4::from_fn(|lane| lane as f64);
-        let chosen = x.above(Wide4::splat(1.5), Wide4::splat(10.0), -x);
-        assert_eq!(chosen, Wide([0.0, -1.0, 10.0, 10.0]));
+        let x = F64x4::from_fn(|lane| lane as f64);
+        let chosen = x.above(F64x4::splat(1.5), F64x4::splat(10.0), -x);
+        assert_eq!(chosen, F64x4([0.0, -1.0, 10.0, 10.0]));
         assert_eq!(x.largest(), 3.0);
-        assert_eq!((x / Wide4::zero()).largest(), f64::INFINITY);
+        assert_eq!((x / F64x4::zero()).largest(), f64::INFINITY);
     }
 }

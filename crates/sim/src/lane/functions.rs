@@ -12,6 +12,16 @@ pub(crate) fn series<L: Lane, const N: usize>(x: L, terms: [f64; N]) -> L {
     sum
 }
 
+/// A root r of x to the power of −1/k, brought closer: r (1 − h)^(−1/k), h = 1 − x rᵏ, by the terms of that series.
+#[inline(always)]
+pub(crate) fn closer<L: Lane>(root: L, rest: L, terms: &[f64]) -> L {
+    let mut sum = L::splat(terms[terms.len() - 1]);
+    for k in (0..terms.len() - 1).rev() {
+        sum = sum.mul_add(rest, L::splat(terms[k]));
+    }
+    (root * rest).mul_add(sum, root)
+}
+
 /// e^(−x) − 1 for x ≥ 0, to a few units in the last place.
 ///
 /// With x = r − k ln 2, |r| ≤ ½ ln 2: the first term that is left out of the series for e^r − 1 is below 1e-16 of it.
@@ -73,26 +83,26 @@ const fn alternating<const N: usize>(first: usize) -> [f64; N] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::Wide4;
+    use crate::lane::F64x4;
 
     #[test]
     fn functions_are_those_of_the_library() {
         for k in 0..2000 {
             let x = f64::from(k) * 1e-3;
             let (angle, long) = (x * 0.39, x * x * x * 6.0);
-            let close = |found: Wide4, expected: f64| {
+            let close = |found: F64x4, expected: f64| {
                 assert!(
                     (found.get(1) - expected).abs() <= 1e-15 * expected.abs(),
                     "{x} {found:?} {expected}"
                 );
             };
-            close(fade(Wide4::splat(x)), libm::expm1(-x));
-            close(fade(Wide4::splat(long)), libm::expm1(-long));
-            close(sine_to_quarter(Wide4::splat(angle)), libm::sin(angle));
-            let (cos, share) = cos_and_sine_share(Wide4::splat(angle * angle));
+            close(fade(F64x4::splat(x)), libm::expm1(-x));
+            close(fade(F64x4::splat(long)), libm::expm1(-long));
+            close(sine_to_quarter(F64x4::splat(angle)), libm::sin(angle));
+            let (cos, share) = cos_and_sine_share(F64x4::splat(angle * angle));
             close(cos, libm::cos(angle));
-            close(share * Wide4::splat(angle), libm::sin(angle));
+            close(share * F64x4::splat(angle), libm::sin(angle));
         }
-        assert_eq!(fade(Wide4::splat(f64::INFINITY)).get(0), -1.0);
+        assert_eq!(fade(F64x4::splat(f64::INFINITY)).get(0), -1.0);
     }
 }

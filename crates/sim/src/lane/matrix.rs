@@ -1,4 +1,7 @@
+use super::vector::minor;
 use super::{Lane, Vector};
+use nalgebra::Matrix3;
+use tousle_core::Vec3;
 
 /// A symmetric 3 × 3 matrix for each of some strands.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +87,6 @@ impl<L: Lane> Symmetric<L> {
     /// The inverse of a positive definite matrix, by cofactors.
     #[inline(always)]
     pub fn inverse(&self) -> Self {
-        let minor = |a: L, b: L, c: L, d: L| a.mul_add(b, -(c * d));
         let cxx = minor(self.yy, self.zz, self.yz, self.yz);
         let cxy = minor(self.xz, self.yz, self.xy, self.zz);
         let cxz = minor(self.xy, self.yz, self.xz, self.yy);
@@ -113,6 +115,16 @@ impl<L: Lane> Matrix<L> {
     #[inline(always)]
     pub fn zero() -> Self {
         Self { x: Vector::zero(), y: Vector::zero(), z: Vector::zero() }
+    }
+
+    /// The same matrix for all.
+    #[inline(always)]
+    pub fn splat(m: &Matrix3<f64>) -> Self {
+        Self {
+            x: Vector::splat(Vec3::new(m.m11, m.m12, m.m13)),
+            y: Vector::splat(Vec3::new(m.m21, m.m22, m.m23)),
+            z: Vector::splat(Vec3::new(m.m31, m.m32, m.m33)),
+        }
     }
 
     /// Rows times a vector.
@@ -187,9 +199,6 @@ impl<L: Lane> Symmetric<L> {
     /// Takes off a bᵀ, for two whose product is symmetric.
     #[inline(always)]
     pub fn subtract_product(&mut self, a: &Matrix<L>, b: &Matrix<L>) {
-        let less = |from: L, a: Vector<L>, b: Vector<L>| {
-            (-a.x).mul_add(b.x, (-a.y).mul_add(b.y, (-a.z).mul_add(b.z, from)))
-        };
         self.xx = less(self.xx, a.x, b.x);
         self.xy = less(self.xy, a.x, b.y);
         self.xz = less(self.xz, a.x, b.z);
@@ -197,6 +206,12 @@ impl<L: Lane> Symmetric<L> {
         self.yz = less(self.yz, a.y, b.z);
         self.zz = less(self.zz, a.z, b.z);
     }
+}
+
+/// A number less a·b.
+#[inline(always)]
+fn less<L: Lane>(from: L, a: Vector<L>, b: Vector<L>) -> L {
+    (-a.x).mul_add(b.x, (-a.y).mul_add(b.y, (-a.z).mul_add(b.z, from)))
 }
 
 impl<L: Lane> Matrix<L> {
@@ -214,21 +229,19 @@ impl<L: Lane> Matrix<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::Wide4;
-    use nalgebra::Matrix3;
-    use tousle_core::Vec3;
+    use crate::lane::F64x4;
 
-    fn lanes(m: &Matrix3<f64>) -> Matrix<Wide4> {
+    fn lanes(m: &Matrix3<f64>) -> Matrix<F64x4> {
         let row = |r: usize| Vector::splat(Vec3::new(m[(r, 0)], m[(r, 1)], m[(r, 2)]));
         Matrix { x: row(0), y: row(1), z: row(2) }
     }
 
-    fn single(m: &Matrix<Wide4>) -> Matrix3<f64> {
+    fn single(m: &Matrix<F64x4>) -> Matrix3<f64> {
         Matrix3::from_rows(&[m.x, m.y, m.z].map(|row| row.get(1).transpose()))
     }
 
-    fn symmetric(m: &Matrix3<f64>) -> Symmetric<Wide4> {
-        let at = |r: usize, c: usize| Wide4::splat(m[(r, c)]);
+    fn symmetric(m: &Matrix3<f64>) -> Symmetric<F64x4> {
+        let at = |r: usize, c: usize| F64x4::splat(m[(r, c)]);
         Symmetric { xx: at(0, 0), xy: at(0, 1), xz: at(0, 2), yy: at(1, 1), yz: at(1, 2), zz: at(2, 2) }
     }
 
@@ -245,7 +258,7 @@ mod tests {
         close(single(&symmetric(&s).inverse().to_matrix()), s.try_inverse().unwrap());
         close(single(&lanes(&m).mul_symmetric(&symmetric(&s))), m * s);
         let inverse = s.try_inverse().unwrap();
-        let commuting = symmetric(&inverse).times_commuting(&symmetric(&s), Wide4::splat(2.0));
+        let commuting = symmetric(&inverse).times_commuting(&symmetric(&s), F64x4::splat(2.0));
         close(single(&commuting.to_matrix()), Matrix3::identity() * 2.0);
         let mut sum = symmetric(&s);
         sum.add_with_transpose(&lanes(&m));

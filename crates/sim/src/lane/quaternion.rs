@@ -53,7 +53,7 @@ impl<L: Lane> Turn<L> {
 
     #[inline(always)]
     pub fn normalized(self) -> Self {
-        let per_norm = L::one() / self.w.mul_add(self.w, self.v.norm_squared()).sqrt();
+        let per_norm = self.w.mul_add(self.w, self.v.norm_squared()).per_sqrt();
         Self { w: self.w * per_norm, v: self.v * per_norm }
     }
 

@@ -41,6 +41,28 @@ impl<L: Lane> Vector<L> {
         self.z.set(lane, v.z);
     }
 
+    /// Puts all strands' vectors, in single precision, into rows of x, y and z, from a place on.
+    #[inline(always)]
+    pub fn put_single<const N: usize>(&self, rows: &mut [[f32; N]; 3], from: usize) {
+        for (row, components) in rows.iter_mut().zip([self.x, self.y, self.z]) {
+            for (lane, number) in row[from..from + L::N].iter_mut().enumerate() {
+                *number = components.get(lane) as f32;
+            }
+        }
+    }
+
+    /// What [`Vector::put_single`] puts.
+    #[inline(always)]
+    pub fn of_single<const N: usize>(rows: &[[f32; N]; 3], from: usize) -> Self {
+        let mut v = Self::zero();
+        for (row, components) in rows.iter().zip([&mut v.x, &mut v.y, &mut v.z]) {
+            for (lane, number) in row[from..from + L::N].iter().enumerate() {
+                components.set(lane, f64::from(*number));
+            }
+        }
+        v
+    }
+
     /// The vector of one strand for each, as a function of its place.
     pub fn from_fn(mut f: impl FnMut(usize) -> Vec3) -> Self {
         let mut v = Self::zero();
@@ -57,7 +79,6 @@ impl<L: Lane> Vector<L> {
 
     #[inline(always)]
     pub fn cross(self, o: Self) -> Self {
-        let minor = |a: L, b: L, c: L, d: L| a.mul_add(b, -(c * d));
         Self::new(
             minor(self.y, o.z, self.z, o.y),
             minor(self.z, o.x, self.x, o.z),
@@ -79,7 +100,7 @@ impl<L: Lane> Vector<L> {
     /// This over its length.
     #[inline(always)]
     pub fn normalized(self) -> Self {
-        self * (L::one() / self.norm_squared().sqrt())
+        self * self.norm_squared().per_sqrt()
     }
 
     /// `yes` where `of` is above `bound`, else `no`.
@@ -87,6 +108,12 @@ impl<L: Lane> Vector<L> {
     pub fn where_above(of: L, bound: L, yes: Self, no: Self) -> Self {
         Self::new(of.above(bound, yes.x, no.x), of.above(bound, yes.y, no.y), of.above(bound, yes.z, no.z))
     }
+}
+
+/// a b − c d.
+#[inline(always)]
+pub(super) fn minor<L: Lane>(a: L, b: L, c: L, d: L) -> L {
+    a.mul_add(b, -(c * d))
 }
 
 impl<L: Lane> Add for Vector<L> {

@@ -36,7 +36,7 @@ fn shortest<L: Lane>(from: Vector<L>, to: Vector<L>) -> (Vector<L>, Turn<L>) {
     let mut turn = Turn { w: L::one() + cos, v: cross }.normalized();
     // The series is for less than 10 degrees. What is beyond is rare.
     let fits = (L::splat(SERIES_SIN2) - sin2).min(cos);
-    if fits.smallest() <= 0.0 {
+    if !fits.all_above(L::zero()) {
         for lane in (0..L::N).filter(|lane| fits.get(*lane) <= 0.0) {
             let (from, to) = (from.get(lane), to.get(lane));
             angles.set(lane, shortest_turn(from, to));

@@ -137,7 +137,7 @@ impl<L: Lane> Contacts<L> {
             let touches = clearance_m.above(L::splat(f64::NEG_INFINITY), touches, L::zero());
             remembered.push = remembered.push * touches;
             remembered.rub = remembered.rub * touches;
-            if touches.largest() <= 0.0 {
+            if !touches.any_above(L::zero()) {
                 continue;
             }
             let room_m = gap - clearance_m;
@@ -240,7 +240,7 @@ impl<L: Lane> Contacts<L> {
                 for _ in 0..MAX_PUSHES {
                     let (out, deepest) = self.way_out(direction.mul_add(length, near), stick, scene);
                     let inside = deepest.above(L::splat(ON_SURFACE_M), L::one(), L::zero());
-                    if inside.largest() <= 0.0 {
+                    if !inside.any_above(L::zero()) {
                         break;
                     }
                     let turned = direction.mul_add(length, out).normalized();
@@ -283,8 +283,14 @@ impl<L: Lane> Seen<L> {
     #[inline(always)]
     fn is_far(&self, place: Vector<L>, margin_m: L) -> bool {
         let room_m = (self.room_m - margin_m).max(L::zero());
-        (room_m * room_m - (place - self.place).norm_squared()).smallest() > 0.0
+        (room_m * room_m).all_above((place - self.place).norm_squared())
     }
+}
+
+/// How far a point goes along a direction for each newton.
+#[inline(always)]
+fn yields<L: Lane>(mobility: &Symmetric<L>, along: Vector<L>) -> L {
+    along.dot(mobility.mul_vector(along)).max(L::splat(1e-30))
 }
 
 impl<L: Lane> Slot<L> {
@@ -301,14 +307,12 @@ impl<L: Lane> Slot<L> {
         let tiny = L::splat(1e-30);
         let normal = touch.normal;
         let before = normal.mul_add(self.push, self.rub);
-        // How far the point goes along the normal or along the surface for each newton.
-        let yields = |along: Vector<L>| along.dot(mobility.mul_vector(along)).max(tiny);
         let approach = touch.room_m.mul_add(per_dt, velocity.dot(normal));
-        if self.push.largest() <= 0.0 && approach.smallest() >= 0.0 {
+        if !self.push.any_above(L::zero()) && !L::zero().any_above(approach) {
             // Nothing pushes, and nothing comes so near that it has to.
             return Vector::zero();
         }
-        let push = (self.push - approach / yields(normal)).max(L::zero());
+        let push = (self.push - approach / yields(mobility, normal)).max(L::zero());
         // Nothing is done about what is not finite, nor for a strand that does not touch.
         let done = L::splat(f64::from(f32::MAX)).above(push, touch.touches, L::zero());
         let sliding =
@@ -317,7 +321,7 @@ impl<L: Lane> Slot<L> {
         let speed = sliding.norm_squared().sqrt();
         let along = sliding * (L::one() / speed.max(tiny));
         let bound = friction * push;
-        let mut rub = self.rub - along * (speed / yields(along)).min(bound + bound);
+        let mut rub = self.rub - along * (speed / yields(mobility, along)).min(bound + bound);
         let rubs = rub.norm_squared().sqrt();
         rub = rub * (bound / rubs.max(tiny)).min(L::one());
         self.push = done.above(L::zero(), push, self.push);

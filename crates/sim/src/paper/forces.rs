@@ -1,12 +1,11 @@
 use super::{AirOnStick, Batch, PaperModel, Stick, Work};
 use crate::lane::{Lane, Symmetric, Vector};
+use crate::physical::STILL2;
 use crate::timeline::StepScene;
+use crate::wind::sample;
 use tousle_core::{HeadMotion, Quantity};
-use tousle_field::Moment;
+use tousle_field::{Moment, SAMPLED_AT_ONCE};
 use tousle_rod::DragLaw;
-
-/// Points whose wind is asked for at once.
-const SAMPLED_TOGETHER: usize = 64;
 
 impl<L: Lane> Batch<L> {
     /// g and Ξ of E2: gravity turned into head axes, and the inertia of a head that speeds up or turns.
@@ -85,21 +84,15 @@ impl<L: Lane> Batch<L> {
         let Some(wind) = wind else { return };
         let half = L::splat(0.5);
         let mut before = self.root;
-        let (mut points, mut winds) = ([[0.0; 3]; SAMPLED_TOGETHER], [[0.0; 3]; SAMPLED_TOGETHER]);
-        for sticks in work.chunks_mut(SAMPLED_TOGETHER / L::N) {
-            for (points, work) in points.chunks_exact_mut(L::N).zip(&*sticks) {
-                let middle = (before + work.end) * half;
-                for (lane, point) in points.iter_mut().enumerate() {
-                    *point = [middle.x, middle.y, middle.z].map(|c| c.get(lane) as f32);
-                }
+        let mut points = [[0.0; SAMPLED_AT_ONCE]; 3];
+        for sticks in work.chunks_mut(SAMPLED_AT_ONCE / L::N) {
+            for (k, work) in sticks.iter().enumerate() {
+                ((before + work.end) * half).put_single(&mut points, k * L::N);
                 before = work.end;
             }
-            let n = sticks.len() * L::N;
-            wind.sample_all(&points[..n], &mut winds[..n]);
-            for (winds, work) in winds.chunks_exact(L::N).zip(sticks) {
-                for (lane, wind) in winds.iter().enumerate() {
-                    work.wind.set(lane, wind.map(f64::from).into());
-                }
+            let winds = sample(wind, &points);
+            for (k, work) in sticks.iter_mut().enumerate() {
+                work.wind = Vector::of_single(&winds, k * L::N);
             }
         }
     }
@@ -116,18 +109,19 @@ fn air_on_stick<L: Lane>(
     let relative = wind - velocity;
     let speed_along = relative.dot(direction);
     let across = direction.mul_add(-speed_along, relative);
-    let speed2 = across.norm_squared();
-    let speed = speed2.sqrt();
+    let speed2 = across.norm_squared().max(L::splat(STILL2));
+    let per_third = speed2.per_sixth_root();
+    let per_two_thirds = per_third * per_third;
+    let per_speed = per_two_thirds * per_third;
+    let speed = speed2 * per_speed;
     let drag = stick.drag * stick.hair_length;
-    let resists_across = drag * stick.viscous.mul_add(speed.cbrt(), speed);
+    let resists_across = drag * stick.viscous.mul_add(speed * per_two_thirds, speed);
     let skin = drag * L::splat(core::f64::consts::PI * DragLaw::ALONG) * speed_along.max(-speed_along);
     let force = across.mul_add(resists_across, direction * (skin * speed_along));
     let resists_along = skin + skin;
-    // Nothing in still air.
-    let per_speed2 = speed2.above(L::zero(), L::one() / speed2.max(L::splat(1e-30)), L::zero());
     let mut resistance = Symmetric::scaled_identity(resists_across);
     resistance.add_outer(direction, resists_along - resists_across);
-    resistance.add_outer(across, resists_across * per_speed2);
+    resistance.add_outer(across, resists_across * per_speed * per_speed);
     let air = AirOnStick {
         resisted: resistance.mul_vector(velocity),
         resistance,
@@ -171,7 +165,7 @@ fn speed_across<L: Lane>(stick: &Stick<L>, force: L) -> L {
         let step = over / slope.max(tiny) * active;
         speed -= step;
         active = step.max(-step).above(speed * L::splat(1e-12), active, L::zero());
-        if active.largest() <= 0.0 {
+        if !active.any_above(L::zero()) {
             break;
         }
     }

@@ -4,14 +4,16 @@ use super::build::Prepared;
 use super::{Batch, PaperModel, Work};
 use crate::assumptions::assumptions;
 use crate::frames::{Frames, max_stretch, single};
-use crate::lane::{Lane, Wide4, Wide8};
+use crate::lane::{Lane, Registers, WithLanes};
 use crate::parts::{Count, Part, run_parts};
 use crate::plan::plan;
 use crate::stability::limit;
 use crate::timeline::{StepScene, TOGETHER_FROM, Timeline};
 use crate::touchable::{n_reaching, touchable};
-use crate::{Keeper, Precision, SimError, SimOptions, SimReport, Simulation};
+use crate::{Keeper, SimError, SimOptions, SimReport, Simulation};
+use core::fmt::Debug;
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tousle_core::{Groom, NoProgress, Pose, Progress, StrandMotion};
 use tousle_field::{FieldLayer, FieldSequence, Sampler, Scene};
@@ -23,9 +25,62 @@ const BLOCK_STEPS: usize = 32;
 
 /// Strands side by side, somewhere on their way.
 #[derive(Clone, Debug)]
-pub(crate) enum Held {
-    Double(Vec<Batch<Wide4>>),
-    Single(Vec<Batch<Wide8>>),
+pub(crate) struct Held(Arc<dyn SideBySide>);
+
+/// Batches, however many strands are side by side.
+trait SideBySide: Debug + Send + Sync {
+    /// [`Ready::go_on`].
+    fn go_on(
+        &self,
+        ready: &Ready<'_>,
+        layered: &Layered<'_>,
+        strands: &[usize],
+        frames: (usize, usize),
+    ) -> Vec<[f32; 3]>;
+}
+
+impl<L: Lane> SideBySide for Vec<Batch<L>> {
+    fn go_on(
+        &self,
+        ready: &Ready<'_>,
+        layered: &Layered<'_>,
+        strands: &[usize],
+        frames: (usize, usize),
+    ) -> Vec<[f32; 3]> {
+        ready.move_on(layered, self.clone(), strands, frames)
+    }
+}
+
+/// Strands from the first frame to the last.
+struct MoveAll<'a> {
+    ready: &'a Ready<'a>,
+    layered: &'a Layered<'a>,
+    strands: &'a [usize],
+    progress: &'a dyn Progress,
+}
+
+impl WithLanes for MoveAll<'_> {
+    type Output = Vec<[f32; 3]>;
+
+    fn with<L: Lane>(self) -> Vec<[f32; 3]> {
+        self.ready.move_all::<L>(self.layered, self.strands, self.progress)
+    }
+}
+
+/// Strands moved to a frame.
+struct Hold<'a> {
+    ready: &'a Ready<'a>,
+    layered: &'a Layered<'a>,
+    strands: &'a [usize],
+    frame: usize,
+}
+
+impl WithLanes for Hold<'_> {
+    type Output = Held;
+
+    fn with<L: Lane>(self) -> Held {
+        Held(Arc::new(self.ready.hold_batches::<L>(self.layered, self.strands, self.frame)))
+    }
 }
 
 /// A run that is prepared: all that layers on the field do not change.
@@ -35,6 +90,7 @@ pub(crate) struct Ready<'a> {
     scene: &'a Scene,
     groom: &'a Groom,
     options: &'a SimOptions,
+    pub registers: Registers,
     timeline: Timeline<'a>,
     sampler: Sampler<'a>,
     drag: DragLaw,
@@ -61,7 +117,8 @@ impl<'a> Ready<'a> {
         let strands = prepare(scene, groom, &timeline);
         let drag = DragLaw::in_air(scene.air_density);
         let sampler = Sampler::new(field, |_| false);
-        Ok(Self { field, scene, groom, options, timeline, sampler, drag, strands })
+        let registers = Registers::widest();
+        Ok(Self { field, scene, groom, options, registers, timeline, sampler, drag, strands })
     }
 
     pub fn run(
@@ -97,10 +154,8 @@ impl<'a> Ready<'a> {
     /// Some strands, in ascending order, moved to a frame.
     pub fn hold(&self, layers: &[FieldLayer], strands: &[usize], frame: usize) -> Result<Held, SimError> {
         let layered = self.layered(layers)?;
-        Ok(match self.options.precision {
-            Precision::Double => Held::Double(self.hold_batches(&layered, strands, frame)),
-            Precision::Single => Held::Single(self.hold_batches(&layered, strands, frame)),
-        })
+        let hold = Hold { ready: self, layered: &layered, strands, frame };
+        Ok(self.registers.with_lanes(self.options.precision, hold))
     }
 
     fn hold_batches<L: Lane>(&self, layered: &Layered<'_>, strands: &[usize], frame: usize) -> Vec<Batch<L>> {
@@ -118,10 +173,7 @@ impl<'a> Ready<'a> {
         frames: (usize, usize),
     ) -> Result<Vec<[f32; 3]>, SimError> {
         let layered = self.layered(layers)?;
-        Ok(match held {
-            Held::Double(batches) => self.move_on(&layered, batches.clone(), strands, frames),
-            Held::Single(batches) => self.move_on(&layered, batches.clone(), strands, frames),
-        })
+        Ok(held.0.go_on(self, &layered, strands, frames))
     }
 
     fn move_on<L: Lane>(
@@ -182,10 +234,8 @@ impl<'a> Ready<'a> {
     }
 
     fn move_strands(&self, layered: &Layered<'_>, some: &[usize], progress: &dyn Progress) -> Vec<[f32; 3]> {
-        match self.options.precision {
-            Precision::Double => self.move_all::<Wide4>(layered, some, progress),
-            Precision::Single => self.move_all::<Wide8>(layered, some, progress),
-        }
+        let all = MoveAll { ready: self, layered, strands: some, progress };
+        self.registers.with_lanes(self.options.precision, all)
     }
 
     fn move_all<L: Lane>(

@@ -56,8 +56,9 @@ pub(crate) struct Batch<L> {
     pub links: Vec<Link<L>>,
     pub states: Vec<State<L>>,
     pub touchable: Vec<Touchable<L>>,
-    /// Spring of a contact, N/m.
+    /// Spring of a contact, N/m, and one over it.
     pub contact_stiffness: L,
+    pub contact_give: L,
     /// How much smaller an iteration's second update is than its first, squared, as it last was; it grows from step to
     /// step until it is measured again.
     pub contraction2: L,

@@ -117,6 +117,7 @@ pub(crate) fn build<L: Lane>(strands: &[(usize, &Prepared)], law: &DragLaw, n_co
         states,
         touchable,
         contact_stiffness: L::from_fn(|lane| contact_stiffness(&of(lane).lock)),
+        contact_give: L::from_fn(|lane| 1.0 / contact_stiffness(&of(lane).lock)),
         contraction2: L::one(),
         at_rest: true,
         count: Count::default(),

@@ -48,8 +48,9 @@ pub(crate) struct MovingSurface {
 /// How the velocity of a point hangs on its place, and how hard what it touches is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Firmness<L> {
-    /// Spring of a contact, N/m.
+    /// Spring of a contact, N/m, and one over it.
     pub stiffness: L,
+    pub give: L,
     /// Change of velocity for a change of place, 1/s.
     pub per_h: L,
     /// For how long a point goes on sliding before its friction is felt, s: the step, or nothing for an explicit one.
@@ -77,6 +78,9 @@ pub(super) const CONTACT_RATE: f64 = 200.0;
 /// it the search for what touches goes round in circles.
 pub(super) const FRINGE_M: f64 = 5e-4;
 
+/// The square of a length that is none, m².
+const TINY2: f64 = 1e-24;
+
 /// Damping of what is held by friction, over its stiffness, s: critical.
 const RUB_SECS: f64 = 2.0 / CONTACT_RATE;
 
@@ -90,24 +94,23 @@ pub(super) fn depth_of(give_m: f64) -> f64 {
 pub(crate) fn gaps<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L>) {
     match surface.shape() {
         SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => {
-            let rows =
-                |r: usize| Vector::splat(Vec3::new(to_sphere[(r, 0)], to_sphere[(r, 1)], to_sphere[(r, 2)]));
-            let to_sphere = Matrix { x: rows(0), y: rows(1), z: rows(2) };
+            let to_sphere = Matrix::splat(to_sphere);
             let scaled = to_sphere.mul_vector(place - Vector::splat(*center_m));
             let level = scaled.norm_squared().sqrt();
             let gradient = to_sphere.transpose_mul(scaled);
-            let slope = gradient.norm_squared().sqrt().max(L::splat(1e-9 / *shortest_half_axis_m));
+            let flattest = 1e-9 / *shortest_half_axis_m;
+            let per_slope = gradient.norm_squared().max(L::splat(flattest * flattest)).per_sqrt();
             // (level − 1) / |∇level|, and ∇level = gradient / level.
-            ((level - L::one()) * level / slope, gradient * (L::one() / slope))
+            ((level - L::one()) * level * per_slope, gradient * per_slope)
         }
         SurfaceShape::Capsule { a_m, axis, per_length2, radius_m } => {
             let from_a = place - Vector::splat(*a_m);
             let axis = Vector::splat(*axis);
             let share = (from_a.dot(axis) * L::splat(*per_length2)).max(L::zero()).min(L::one());
             let away = from_a - axis * share;
-            let distance = away.norm_squared().sqrt();
-            let out = away * (L::one() / distance.max(L::splat(1e-12)));
-            (distance - L::splat(*radius_m), out)
+            let distance2 = away.norm_squared();
+            let per_distance = distance2.max(L::splat(TINY2)).per_sqrt();
+            (distance2 * per_distance - L::splat(*radius_m), away * per_distance)
         }
         SurfaceShape::Mesh { .. } => looked_up(surface, place),
     }
@@ -126,29 +129,30 @@ fn looked_up<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L>) {
 }
 
 impl<L: Lane> Touchable<L> {
-    /// Finds the sticks whose ends may touch in a step: those that are, or are expected to come, within `margin_m`.
+    /// Finds the sticks whose ends may touch in a step: those that are, or are expected to come, within `margin_m`; `again`:
+    /// more of them in the same step.
     #[inline(always)]
-    pub fn look(&mut self, surface: &Surface, places: impl Iterator<Item = Vector<L>>, margin_m: L) {
-        self.near.clear();
-        for (stick, place) in places.enumerate() {
-            if let Some(limit_m) = self.limit_within(surface, stick, place, margin_m) {
-                self.near.push(Near { stick, limit_m, place, bearing: Bearing::none() });
-            } else {
-                self.pushes[stick] = L::zero();
-                self.slips[stick] = Vector::zero();
-            }
+    pub fn look(
+        &mut self,
+        surface: &Surface,
+        places: impl Iterator<Item = Vector<L>>,
+        margin_m: L,
+        again: bool,
+    ) {
+        if !again {
+            self.near.clear();
         }
-    }
-
-    /// Finds more of them in the same step.
-    #[inline(always)]
-    pub fn look_again(&mut self, surface: &Surface, places: impl Iterator<Item = Vector<L>>, margin_m: L) {
         for (stick, place) in places.enumerate() {
-            if let Some(limit_m) = self.limit_within(surface, stick, place, margin_m) {
-                match self.near.iter_mut().find(|near| near.stick == stick) {
-                    Some(near) => near.limit_m = near.limit_m.max(limit_m),
-                    None => self.near.push(Near { stick, limit_m, place, bearing: Bearing::none() }),
+            let Some(limit_m) = self.limit_within(surface, stick, place, margin_m) else {
+                if !again {
+                    self.pushes[stick] = L::zero();
+                    self.slips[stick] = Vector::zero();
                 }
+                continue;
+            };
+            match self.near.iter_mut().find(|near| again && near.stick == stick) {
+                Some(near) => near.limit_m = near.limit_m.max(limit_m),
+                None => self.near.push(Near { stick, limit_m, place, bearing: Bearing::none() }),
             }
         }
     }
@@ -160,9 +164,8 @@ impl<L: Lane> Touchable<L> {
         let (gap, _) = gaps(surface, place);
         let room = gap - limit_m - margin_m;
         // A NaN counts as near.
-        let smallest = room.smallest();
-        let is_near = smallest <= 0.0 || smallest.is_nan();
-        is_near.then(|| room.above(L::zero(), L::splat(f64::NEG_INFINITY), limit_m))
+        let is_far = room.all_above(L::zero());
+        (!is_far).then(|| room.above(L::zero(), L::splat(f64::NEG_INFINITY), limit_m))
     }
 
     /// What the surface does to all that may touch. `at`: place and velocity of a stick's end.
@@ -188,7 +191,7 @@ impl<L: Lane> Touchable<L> {
             near.place = place;
             near.bearing = bearing;
         }
-        off2 / (firmness.stiffness * firmness.stiffness)
+        off2 * firmness.give * firmness.give
     }
 
     /// Keeps what friction goes by in the next step, as it was felt last.
@@ -218,11 +221,11 @@ fn bear<L: Lane>(
     (push_before, slip_before): (L, Vector<L>),
     moving: &MovingSurface,
     (place, velocity): (Vector<L>, Vector<L>),
-    Firmness { stiffness, per_h, dt }: Firmness<L>,
+    Firmness { stiffness, give, per_h, dt }: Firmness<L>,
 ) -> Bearing<L> {
     let (gap, normal) = gaps(&moving.surface, place);
     let depth = (limit_m - gap).max(L::zero());
-    if depth.largest() <= 0.0 {
+    if !depth.any_above(L::zero()) {
         return Bearing::none();
     }
     let fringe = L::splat(FRINGE_M);
@@ -248,19 +251,24 @@ fn bear<L: Lane>(
     }
     // The limit goes by the push a step ago, so that friction does not wait for a push that waits for it.
     let held = depth.above(L::zero(), push_before, L::zero());
-    let limit = held * L::splat(model.friction) / stiffness;
+    let limit = held * L::splat(model.friction) * give;
     let along = relative - normal * leaving;
     let slip = slip_before - normal * slip_before.dot(normal) + along * dt;
     let pull = slip + along * L::splat(RUB_SECS);
-    let tiny = L::splat(1e-12);
-    let share = (limit / pull.norm_squared().sqrt().max(tiny)).min(L::one());
+    let share = share_within(limit, pull);
     let rub = stiffness * share;
     slope += pull * rub;
     let rub_rise = rub * (dt + L::splat(RUB_SECS)) * per_h;
     hessian.add_identity(rub_rise);
     hessian.add_outer(normal, rise - rub_rise);
-    let slip = slip * (limit / slip.norm_squared().sqrt().max(tiny)).min(L::one());
-    Bearing { push, slip, slope, hessian }
+    Bearing { push, slip: slip * share_within(limit, slip), slope, hessian }
+}
+
+/// The share of a way that is no longer than a limit, at most the whole.
+#[inline(always)]
+fn share_within<L: Lane>(limit: L, way: Vector<L>) -> L {
+    let per_way = way.norm_squared().max(L::splat(TINY2)).per_sqrt();
+    (limit * per_way).min(L::one())
 }
 
 /// How near a point may come before it is pushed, from how near it lies at rest and what bears it there.
@@ -271,8 +279,8 @@ pub(super) fn limit_m(clearance_m: f64, bearing_n: f64, stiffness: f64) -> f64 {
 /// [`Gap`] of one point, for tests that hold the two against each other.
 #[cfg(test)]
 pub(super) fn gap_of(surface: &Surface, place: Vec3) -> tousle_rod::Gap {
-    use crate::lane::Wide4;
-    let (distance, normal) = gaps::<Wide4>(surface, Vector::splat(place));
+    use crate::lane::F64x4;
+    let (distance, normal) = gaps::<F64x4>(surface, Vector::splat(place));
     tousle_rod::Gap { distance_m: distance.get(0), normal: normal.get(0) }
 }
 

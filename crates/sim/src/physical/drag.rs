@@ -9,20 +9,35 @@ pub(super) struct Push<L> {
     pub slope: Symmetric<L>,
 }
 
+impl<L: Lane> Push<L> {
+    /// No air.
+    #[inline(always)]
+    pub fn none() -> Self {
+        Self { force: Vector::zero(), slope: Symmetric::zero() }
+    }
+}
+
+/// The square of a speed that is none, m²/s².
+pub(crate) const STILL2: f64 = 1e-24;
+
 /// Taylor's drag on a stick along `direction`, in a wind relative to it (`tousle_rod::DragLaw`, for many strands).
 #[inline(always)]
 pub(super) fn push<L: Lane>(link: &Link<L>, along: L, direction: Vector<L>, wind: Vector<L>) -> Push<L> {
     let speed_along = wind.dot(direction);
     let across = direction.mul_add(-speed_along, wind);
-    let speed2 = across.norm_squared();
-    let speed = speed2.sqrt();
+    // Below a speed that nothing feels, that speed: its powers are finite, and what they multiply is next to nothing.
+    let speed2 = across.norm_squared().max(L::splat(STILL2));
+    let per_third = speed2.per_sixth_root();
+    let per_two_thirds = per_third * per_third;
+    let per_speed = per_two_thirds * per_third;
+    let speed = speed2 * per_speed;
     let inertial = link.drag * speed;
-    let viscous = link.drag * link.viscous * speed.cbrt();
+    let viscous = link.drag * link.viscous * speed * per_two_thirds;
     let resistance = inertial + viscous;
     let skin = link.drag * along * speed_along.max(-speed_along);
     let force = across.mul_add(resistance, direction * (skin * speed_along));
-    // d(K u)/du = K + (u² and u^4/3 rise faster than u by 1 and a third); nothing of it in still air.
-    let windward = (inertial + viscous * L::splat(1.0 / 3.0)) / speed2.max(L::splat(1e-12));
+    // d(K u)/du = K + (u² and u^4/3 rise faster than u by 1 and a third).
+    let windward = viscous.mul_add(L::splat(1.0 / 3.0), inertial) * per_speed * per_speed;
     let mut slope = Symmetric::scaled_identity(resistance);
     slope.add_outer(across, windward);
     slope.add_outer(direction, skin + skin - resistance);

@@ -7,7 +7,7 @@ use super::batch::{Batch, Model};
 use super::contact::Firmness;
 use super::drag::push;
 use super::link::Work;
-use super::newton::{bend_joints, place_sticks, sweep_inwards, sweep_outwards};
+use super::newton::{Bending, FurtherOut, Outwards, bend_joint, place_sticks};
 use super::scene::Now;
 use crate::lane::{Lane, Symmetric, Turn, Vector};
 use tousle_core::Vec3;
@@ -133,7 +133,7 @@ impl<L: Lane> Batch<L> {
         now: &Now<'_>,
         implicit_secs: f64,
     ) -> Change<L> {
-        pulp::Arch::new().dispatch(Law { batch: self, swing, work, model, now, implicit_secs })
+        L::dispatch(Law { batch: self, swing, work, model, now, implicit_secs })
     }
 
     #[inline(always)]
@@ -152,30 +152,37 @@ impl<L: Lane> Batch<L> {
         }
         place_sticks(self.root, &self.links, work);
         self.feel_wind(work, model, now);
-        bend_joints(self.root_turn, work);
         let later = L::splat(implicit_secs);
-        self.damp_joints(swing, work, now, later);
         self.load_swing(swing, work, model, now, later);
-        sweep_inwards(&self.links, work, L::one(), L::zero());
+        self.eliminate_turns(swing, work, now, later);
         let head = head_spin(now);
-        sweep_outwards(&self.links, work);
+        let mut outwards = Outwards::at_root();
         // The head's axes turn under the spin.
-        let accelerations = work.iter().zip(&swing.spins).map(|(work, spin)| work.offset - head.cross(*spin));
+        let sticks = self.links.iter().zip(&*work).zip(&swing.spins);
+        let accelerations = sticks.map(|((link, work), spin)| outwards.next(link, work) - head.cross(*spin));
         Change {
             rates: swing.spins.iter().map(|spin| *spin - head).collect(),
             accelerations: accelerations.collect(),
         }
     }
 
-    /// Internal damping, in place of the stiffness that an implicit step has there.
+    /// From the tip: every stick's angular acceleration eliminated.
     #[inline(always)]
-    fn damp_joints(&self, swing: &Swing<L>, work: &mut [Work<L>], now: &Now<'_>, later: L) {
-        let mut spin_before = head_spin(now);
-        for ((work, link), spin) in work.iter_mut().zip(&self.links).zip(&swing.spins) {
-            let damping = work.curvature * link.damping_secs;
-            work.torque += (*spin - spin_before) * damping;
-            work.curvature = damping * later;
-            spin_before = *spin;
+    fn eliminate_turns(&self, swing: &Swing<L>, work: &mut [Work<L>], now: &Now<'_>, later: L) {
+        let mut further_out = FurtherOut::nothing();
+        for j in (0..work.len()).rev() {
+            let (link, here) = (&self.links[j], &mut work[j]);
+            let (turn_before, spin_before) = match j {
+                0 => (self.root_turn, head_spin(now)),
+                _ => (swing.turns[j - 1], swing.spins[j - 1]),
+            };
+            let Bending { torque, curvature } = bend_joint(turn_before, here);
+            // Internal damping, in place of the stiffness that an implicit step has there.
+            let damping = curvature * link.damping_secs;
+            let torque = (swing.spins[j] - spin_before).mul_add(damping, torque);
+            further_out.add_point(here.slope, &here.hessian);
+            let joint = Bending { torque, curvature: damping * later };
+            further_out.eliminate(here, link.length, joint, link.rotary, L::zero());
         }
     }
 
@@ -215,10 +222,15 @@ impl<L: Lane> Batch<L> {
                 }
             }
         }
-        let firmness = Firmness { stiffness: self.contact_stiffness, per_h: L::one(), dt: L::zero() };
+        let firmness = Firmness {
+            stiffness: self.contact_stiffness,
+            give: self.contact_give,
+            per_h: L::one(),
+            dt: L::zero(),
+        };
         for touchable in &mut self.touchable {
             let moving = &now.surfaces[touchable.collider];
-            touchable.look(&moving.surface, work.iter().map(|w| w.place), L::zero());
+            touchable.look(&moving.surface, work.iter().map(|w| w.place), L::zero(), false);
             touchable.feel(model, moving, |stick| (work[stick].place, work[stick].drifting), firmness);
             for near in &touchable.near {
                 let work = &mut work[near.stick];
@@ -230,7 +242,12 @@ impl<L: Lane> Batch<L> {
 
     /// Where the swing has come to is where the strands are. `now`: the world at the step's end.
     fn take(&mut self, swing: &Swing<L>, work: &mut [Work<L>], model: &Model, now: &Now<'_>, dt_secs: f64) {
-        let firmness = Firmness { stiffness: self.contact_stiffness, per_h: L::one(), dt: L::splat(dt_secs) };
+        let firmness = Firmness {
+            stiffness: self.contact_stiffness,
+            give: self.contact_give,
+            per_h: L::one(),
+            dt: L::splat(dt_secs),
+        };
         for touchable in &mut self.touchable {
             let moving = &now.surfaces[touchable.collider];
             touchable.feel(model, moving, |stick| (work[stick].place, work[stick].drifting), firmness);
@@ -256,31 +273,31 @@ impl<L: Lane> Batch<L> {
             work.natural = Vector::zero();
         }
         place_sticks(self.root, &self.links, work);
-        bend_joints(self.root_turn, work);
-        let curvatures: Vec<L> = work.iter().map(|w| w.curvature).collect();
+        let before = core::iter::once(self.root_turn).chain(now_turns.iter().copied());
+        let curvatures: Vec<L> =
+            before.zip(&*work).map(|(before, work)| bend_joint(before, work).curvature).collect();
         // Starts from turns that differ from joint to joint, in all directions.
         let start = Vector::splat(Vec3::new(0.3, 0.7, -0.5));
         let mut turns: Vec<Vector<L>> =
             (0..work.len()).map(|j| if j % 2 == 0 { start } else { -start }).collect();
         let mut squared = L::zero();
         for _ in 0..POWER_ITERATIONS {
-            let mut before = Vector::zero();
-            for ((work, turn), (link, curvature)) in
-                work.iter_mut().zip(&turns).zip(self.links.iter().zip(&curvatures))
-            {
-                work.torque = (*turn - before) * *curvature;
-                work.curvature = L::zero();
-                work.slope = Vector::zero();
-                work.hessian = Symmetric::scaled_identity(link.mass);
-                before = *turn;
+            let mut further_out = FurtherOut::nothing();
+            for j in (0..work.len()).rev() {
+                let link = &self.links[j];
+                let before = if j > 0 { turns[j - 1] } else { Vector::zero() };
+                let joint = Bending { torque: (turns[j] - before) * curvatures[j], curvature: L::zero() };
+                further_out.add_point(Vector::zero(), &Symmetric::scaled_identity(link.mass));
+                further_out.eliminate(&mut work[j], link.length, joint, link.rotary, L::zero());
             }
-            sweep_inwards(&self.links, work, L::one(), L::zero());
             let size2 = turns.iter().fold(L::zero(), |sum, t| sum + t.norm_squared());
-            sweep_outwards(&self.links, work);
-            turns.iter_mut().zip(&*work).for_each(|(turn, work)| *turn = -work.offset);
+            let mut outwards = Outwards::at_root();
+            for ((turn, link), work) in turns.iter_mut().zip(&self.links).zip(&*work) {
+                *turn = -outwards.next(link, work);
+            }
             let grown2 = turns.iter().fold(L::zero(), |sum, t| sum + t.norm_squared());
             squared = (grown2 / size2.max(L::splat(1e-300))).sqrt();
-            let per_size = L::one() / grown2.sqrt().max(L::splat(1e-150));
+            let per_size = grown2.max(L::splat(1e-300)).per_sqrt();
             turns.iter_mut().for_each(|t| *t = *t * per_size);
         }
         squared.sqrt()

@@ -3,10 +3,12 @@
 use super::batch::{Batch, Model};
 use super::contact::Touchable;
 use super::link::{State, Work};
-use super::newton::{Weights, bend_joints, place_sticks, sweep_inwards, sweep_outwards};
+use super::newton::{Weights, sweep_outwards};
 use super::scene::{Carry, Now};
 use crate::lane::{Lane, Turn, Vector};
+use crate::wind::sample;
 use tousle_core::Vec3;
+use tousle_field::SAMPLED_AT_ONCE;
 use tousle_rod::DragLaw;
 
 /// A formula that gives a rate at a step's end: rate = (value − now · value now − before · value a step ago) / h.
@@ -45,8 +47,8 @@ const MAX_ITERATIONS: usize = 40;
 
 /// Where the ends of contacts meet, the iteration can circle between two answers: after some iterations it goes
 /// shares of the way only.
-const fn share_of_way(iteration: usize) -> f64 {
-    match iteration {
+const fn share_of_way(updates: usize) -> f64 {
+    match updates {
         0..4 => 1.0,
         4..12 => 0.5,
         _ => 0.25,
@@ -62,9 +64,6 @@ const FORGOTTEN2: f64 = 1.2;
 
 /// Squared updates below this are rounding, m².
 const TINY2: f64 = 1e-32;
-
-/// Points whose wind is asked for at once.
-const SAMPLED_TOGETHER: usize = 64;
 
 /// A contact is looked for within as much, m, and a quarter of the way from the last step's end to the first guess. Should
 /// an iteration go farther from the guess, it is looked for again.
@@ -99,7 +98,7 @@ impl<L: Lane> Batch<L> {
         carry: Option<&Carry>,
         formula: Formula,
     ) {
-        pulp::Arch::new().dispatch(Step { batch: self, work, model, now, carry, formula });
+        L::dispatch(Step { batch: self, work, model, now, carry, formula });
     }
 
     #[inline(always)]
@@ -122,7 +121,6 @@ impl<L: Lane> Batch<L> {
         }
         let weights = Weights::new(formula.dt_secs, formula.h_secs);
         self.prepare(work, &weights, formula);
-        place_sticks(self.root, &self.links, work);
         self.feel_wind(work, model, now);
         self.settle(work, model, now, &weights);
         self.finish(work, &weights);
@@ -142,47 +140,43 @@ impl<L: Lane> Batch<L> {
         let (settled2, felt2) = (square(model.settled_m(h_secs)), square(model.felt_m(h_secs)));
         // 1 for a strand that still moves, 0 for one that has settled, whatever its neighbors in the batch do.
         let mut active = L::one();
-        let mut moved2_before = L::zero();
+        let (mut moved2, mut moved2_before) = (L::zero(), L::zero());
         let mut contraction2 = self.contraction2;
         self.contraction2 = (self.contraction2 * L::splat(FORGOTTEN2)).min(L::one());
-        let mut room_m = self.look_for_contacts(work, now, false);
-        self.feel_contacts(work, model, now, weights);
-        for iteration in 0..MAX_ITERATIONS {
-            bend_joints(self.root_turn, work);
-            self.load_points(work, model, now, weights);
-            sweep_inwards(&self.links, work, weights.per_h2, L::one());
-            let way = active * L::splat(share_of_way(iteration));
-            let moved2 = sweep_outwards(&self.links, work);
-            for work in &mut *work {
-                let turned = work.turn.turned(work.offset * way);
-                work.turn = turned.where_above(way, L::zero(), work.turn);
-            }
-            place_sticks(self.root, &self.links, work);
-            room_m -= moved2.sqrt() * way;
-            if room_m.smallest() < 0.0 {
-                room_m = self.look_for_contacts(work, now, true);
+        // Within how much of the places contacts have been looked for.
+        let mut room_m = L::splat(-1.0);
+        for updates in 0.. {
+            if L::zero().any_above(room_m) {
+                room_m = self.look_for_contacts(work, now, updates > 0);
             }
             let off2 = self.feel_contacts(work, model, now, weights);
-            self.count.iterations += 1;
-            if iteration > 0 {
+            if updates > 1 {
                 let measured2 = (moved2 / moved2_before.max(L::splat(TINY2)) * L::splat(DOUBT2))
                     .max(L::splat(BEST_CONTRACTION2))
                     .min(L::one());
-                contraction2 = if share_of_way(iteration) < 1.0 { L::one() } else { measured2 };
-                if iteration == 1 {
+                contraction2 = if share_of_way(updates - 1) < 1.0 { L::one() } else { measured2 };
+                if updates == 2 {
                     self.contraction2 = active.above(L::zero(), measured2, self.contraction2);
                 }
             }
-            moved2_before = moved2;
-            let expected2 = moved2 * contraction2;
-            active = expected2.above(settled2, active, off2.above(felt2, active, L::zero()));
-            if active.largest() <= 0.0 {
-                return;
+            if updates > 0 {
+                let expected2 = moved2 * contraction2;
+                active = expected2.above(settled2, active, off2.above(felt2, active, L::zero()));
+                if !active.any_above(L::zero()) {
+                    return;
+                }
             }
-            if iteration + 1 == MAX_ITERATIONS {
+            if updates == MAX_ITERATIONS {
                 self.count.unsettled += 1;
                 self.count.unsettled_m = self.count.unsettled_m.max((moved2 * active).largest().sqrt());
+                return;
             }
+            self.sweep_inwards(work, model, now, weights);
+            let way = active * L::splat(share_of_way(updates));
+            moved2_before = moved2;
+            moved2 = sweep_outwards(self.root, &self.links, work, way);
+            room_m -= moved2.sqrt() * way;
+            self.count.iterations += 1;
         }
     }
 
@@ -214,10 +208,11 @@ impl<L: Lane> Batch<L> {
         }
     }
 
-    /// What a step begins with: the history's weighted sums, and a first guess.
+    /// What a step begins with: the history's weighted sums, and a first guess of turns and places.
     #[inline(always)]
     fn prepare(&self, work: &mut [Work<L>], weights: &Weights<L>, formula: Formula) {
         let (now, before) = (L::splat(formula.now), L::splat(formula.before));
+        let mut end = self.root;
         for ((link, state), work) in self.links.iter().zip(&self.states).zip(work) {
             work.from = state.place * now + state.place_before * before;
             let velocity = state.velocity * now + state.velocity_before * before;
@@ -227,6 +222,10 @@ impl<L: Lane> Batch<L> {
             work.stiffness = link.stiffness + damping;
             work.natural = link.natural + (state.bend * now + state.bend_before * before) * damping;
             work.turn = go_on(state);
+            work.direction = work.turn.x_axis();
+            end = work.direction.mul_add(link.length, end);
+            work.place = end;
+            work.touches = false;
         }
     }
 
@@ -239,26 +238,19 @@ impl<L: Lane> Batch<L> {
         };
         let half = L::splat(0.5);
         let mut before = self.root;
-        let (mut points, mut winds) = ([[0.0; 3]; SAMPLED_TOGETHER], [[0.0; 3]; SAMPLED_TOGETHER]);
-        let n_together = SAMPLED_TOGETHER / L::N;
+        let mut points = [[0.0; SAMPLED_AT_ONCE]; 3];
+        let n_together = SAMPLED_AT_ONCE / L::N;
         for (chunk, sticks) in work.chunks_mut(n_together).enumerate() {
-            for (points, work) in points.chunks_exact_mut(L::N).zip(&*sticks) {
-                let middle = (before + work.place) * half;
-                for (lane, point) in points.iter_mut().enumerate() {
-                    *point = [middle.x, middle.y, middle.z].map(|c| c.get(lane) as f32);
-                }
+            for (k, work) in sticks.iter().enumerate() {
+                ((before + work.place) * half).put_single(&mut points, k * L::N);
                 before = work.place;
             }
-            let n = sticks.len() * L::N;
-            wind.sample_all(&points[..n], &mut winds[..n]);
-            for (k, (winds, work)) in winds.chunks_exact(L::N).zip(sticks).enumerate() {
+            let winds = sample(wind, &points);
+            for (k, work) in sticks.iter_mut().enumerate() {
+                let found = Vector::of_single(&winds, k * L::N);
                 let stick = chunk * n_together + k;
-                work.wind = Vector::from_fn(|lane| {
-                    let found = Vec3::from(winds[lane].map(f64::from));
-                    model
-                        .force_law
-                        .as_ref()
-                        .map_or(found, |law| self.wind_of_force(law, (stick, lane), found))
+                work.wind = model.force_law.as_ref().map_or(found, |law| {
+                    Vector::from_fn(|lane| self.wind_of_force(law, (stick, lane), found.get(lane)))
                 });
             }
         }
@@ -279,6 +271,9 @@ impl<L: Lane> Batch<L> {
     /// Finds the points that may touch in this step, or more of them. Out: within how much of the places, m.
     #[inline(always)]
     fn look_for_contacts(&mut self, work: &[Work<L>], now: &Now<'_>, again: bool) -> L {
+        if self.touchable.is_empty() {
+            return L::splat(f64::INFINITY);
+        }
         let mut way2 = L::zero();
         for (state, work) in self.states.iter().zip(work) {
             way2 = way2.max((work.place - state.place).norm_squared());
@@ -286,11 +281,7 @@ impl<L: Lane> Batch<L> {
         let margin_m = way2.sqrt().mul_add(L::splat(0.25), L::splat(LOOK_M));
         for touchable in &mut self.touchable {
             let surface = &now.surfaces[touchable.collider].surface;
-            if again {
-                touchable.look_again(surface, work.iter().map(|w| w.place), margin_m);
-            } else {
-                touchable.look(surface, work.iter().map(|w| w.place), margin_m);
-            }
+            touchable.look(surface, work.iter().map(|w| w.place), margin_m, again);
         }
         margin_m
     }
@@ -306,7 +297,7 @@ impl<L: Lane> Batch<L> {
             state.place_before = state.place;
             state.place = work.place;
             state.velocity_before = state.velocity;
-            state.velocity = (work.place - work.from) * weights.per_h;
+            state.velocity = work.velocity(weights.per_h);
             state.bend_before = state.bend;
             state.bend = before.inverse().after(work.turn).bend();
             before = work.turn;

@@ -1,3 +1,4 @@
+use super::contact::Bearing;
 use crate::lane::{Lane, Matrix, Symmetric, Turn, Vector};
 
 /// A stick and the point at its far end: what never changes. One number a strand of the batch.
@@ -56,15 +57,14 @@ pub(crate) struct Work<L> {
     pub turn: Turn<L>,
     pub direction: Vector<L>,
     pub place: Vector<L>,
-    /// Gradient and second derivative of the potential by the joint's turn.
-    pub torque: Vector<L>,
-    pub curvature: L,
-    /// The same by the point's place.
+    /// Whether a surface may touch the far point, and then gradient and second derivative of its potential by the place.
+    pub touches: bool,
     pub slope: Vector<L>,
     pub hessian: Symmetric<L>,
+    /// The second derivative of the joint's potential by its turn.
+    pub curvature: L,
     /// What the sweep inwards leaves for the sweep outwards:
-    /// turn = gain · curvature · turn before − leverᵀ · displacement before − offset. The latter leaves the turn itself
-    /// in `offset`.
+    /// turn = gain · curvature · turn before − leverᵀ · displacement before − offset.
     pub gain: Symmetric<L>,
     pub lever: Matrix<L>,
     pub offset: Vector<L>,
@@ -82,13 +82,35 @@ impl<L: Lane> Work<L> {
             turn: Turn::identity(),
             direction: o,
             place: o,
-            torque: o,
-            curvature: L::zero(),
+            touches: false,
             slope: o,
             hessian: Symmetric::zero(),
+            curvature: L::zero(),
             gain: Symmetric::zero(),
             lever: Matrix::zero(),
             offset: o,
         }
+    }
+
+    /// The far point's velocity. `per_h`: its change for a change of place, 1/s.
+    #[inline(always)]
+    pub fn velocity(&self, per_h: L) -> Vector<L> {
+        (self.place - self.from) * per_h
+    }
+
+    /// Nothing touches the far point.
+    #[inline(always)]
+    pub fn forget_touch(&mut self) {
+        self.touches = false;
+        self.slope = Vector::zero();
+        self.hessian = Symmetric::zero();
+    }
+
+    /// A surface touches the far point.
+    #[inline(always)]
+    pub fn touch(&mut self, bearing: &Bearing<L>) {
+        self.touches = true;
+        self.slope += bearing.slope;
+        self.hessian.add(&bearing.hessian);
     }
 }

@@ -9,7 +9,7 @@ use super::link::Work;
 use super::scene::{Carry, Now};
 use crate::Integrator;
 use crate::frames::{Frames, single};
-use crate::lane::{Lane, Wide1};
+use crate::lane::{F64x1, Lane};
 use crate::parts::Part;
 use crate::timeline::{TOGETHER_FROM, Timeline};
 use rayon::prelude::*;
@@ -172,7 +172,7 @@ impl March<'_> {
         let dt_secs = self.timeline.dt_secs();
         let is_rk4 = self.integrator == Integrator::Rk4;
         let first = Now::new(self.timeline, self.sampler, self.secs(0), false);
-        self.one_by_one(|batch, work, frame, swing: &mut Option<Swing<Wide1>>| {
+        self.one_by_one(|batch, work, frame, swing: &mut Option<Swing<F64x1>>| {
             let swing = swing.get_or_insert_with(|| Swing::at_rest(batch, &first));
             for step in (frame - 1) * self.timeline.steps_per_frame..frame * self.timeline.steps_per_frame {
                 let at = |share: f64| {
@@ -200,11 +200,11 @@ impl March<'_> {
     /// Every strand by itself. `to_frame` moves one from the frame before to a frame, with what it keeps between.
     fn one_by_one<K: Send>(
         &self,
-        to_frame: impl Fn(&mut Batch<Wide1>, &mut [Work<Wide1>], usize, &mut Option<K>) + Sync,
+        to_frame: impl Fn(&mut Batch<F64x1>, &mut [Work<F64x1>], usize, &mut Option<K>) + Sync,
     ) -> Part {
         let n_frames = self.timeline.n_frames;
         let mut frames = Frames::new(self.groom, self.strands, n_frames);
-        let mut batches = self.batches::<Wide1>();
+        let mut batches = self.batches::<F64x1>();
         let done = AtomicU64::new(0);
         let total = (batches.len() * (n_frames - 1)) as u64;
         let moved: Vec<Vec<[f32; 3]>> = batches

@@ -8,7 +8,7 @@
 
 use super::batch::{Batch, Model};
 use super::contact::Firmness;
-use super::drag::push;
+use super::drag::{Push, push};
 use super::link::{Link, Work};
 use super::scene::Now;
 use crate::lane::{Lane, Matrix, Symmetric, Turn, Vector};
@@ -45,31 +45,35 @@ pub(super) fn place_sticks<L: Lane>(root: Vector<L>, links: &[Link<L>], work: &m
     }
 }
 
-/// What bends and twists each joint: gradient and (Gauss-Newton) second derivative of its potential.
+/// What bends and twists a joint: gradient and (Gauss-Newton) second derivative of its potential.
+pub(super) struct Bending<L> {
+    /// By a turn of the stick, head axes, N·m.
+    pub torque: Vector<L>,
+    /// N·m, the same in all directions.
+    pub curvature: L,
+}
+
+/// The joint between a stick that is turned like `before` and one of some work.
 #[inline(always)]
-pub(super) fn bend_joints<L: Lane>(root_turn: Turn<L>, work: &mut [Work<L>]) {
-    let mut before = root_turn;
+pub(super) fn bend_joint<L: Lane>(before: Turn<L>, work: &Work<L>) -> Bending<L> {
     let two = L::splat(2.0);
-    for work in work {
-        let bend = before.inverse().after(work.turn).bend();
-        let sigma = bend * L::splat(0.25);
-        let sigma2 = sigma.norm_squared();
-        let load = bend.mul_add(work.stiffness, -work.natural);
-        // For a turn ε of the stick, in the axes of the stick before, d bend = (1 − σ²) ε − 2 σ × ε + 2 σ (σ·ε): a
-        // rotation times 1 + σ², so that the second derivative is the same in all directions.
-        let torque =
-            load.mul_add(L::one() - sigma2, sigma.cross(load).mul_add(two, sigma * (sigma.dot(load) * two)));
-        work.torque = before.rotate(torque);
-        let scale = L::one() + sigma2;
-        work.curvature = work.stiffness * scale * scale;
-        before = work.turn;
-    }
+    let bend = before.inverse().after(work.turn).bend();
+    let sigma = bend * L::splat(0.25);
+    let sigma2 = sigma.norm_squared();
+    let load = bend.mul_add(work.stiffness, -work.natural);
+    // For a turn ε of the stick, in the axes of the stick before, d bend = (1 − σ²) ε − 2 σ × ε + 2 σ (σ·ε): a
+    // rotation times 1 + σ², so that the second derivative is the same in all directions.
+    let torque =
+        load.mul_add(L::one() - sigma2, sigma.cross(load).mul_add(two, sigma * (sigma.dot(load) * two)));
+    let scale = L::one() + sigma2;
+    Bending { torque: before.rotate(torque), curvature: work.stiffness * scale * scale }
 }
 
 impl<L: Lane> Batch<L> {
-    /// Inertia, weight, air and surfaces at each point.
+    /// From the tip: forces on every point and joint and their derivatives, and every stick's turn eliminated. What it
+    /// works out is used at once, while it is near.
     #[inline(always)]
-    pub(super) fn load_points(
+    pub(super) fn sweep_inwards(
         &self,
         work: &mut [Work<L>],
         model: &Model,
@@ -77,24 +81,39 @@ impl<L: Lane> Batch<L> {
         weights: &Weights<L>,
     ) {
         let gravity = Vector::splat(now.gravity);
-        for (link, work) in self.links.iter().zip(&mut *work) {
+        let (along, half) = (L::splat(model.along), L::splat(0.5));
+        let half_per_h = half * weights.per_h;
+        let root_velocity = self.root_velocity(now);
+        let mut further_out = FurtherOut::nothing();
+        // The air on the stick further out, of which a half acts here.
+        let mut air = Push::none();
+        for j in (0..work.len()).rev() {
+            let (inner, outer) = work.split_at_mut(j);
+            let (link, here) = (&self.links[j], &mut outer[0]);
+            let (turn_before, velocity_before) = match inner.last() {
+                Some(before) => (before.turn, before.velocity(weights.per_h)),
+                None => (self.root_turn, root_velocity),
+            };
             let inertia = link.mass * weights.per_h2;
-            work.slope = (work.place - work.drifting).mul_add(inertia, -(gravity * link.mass));
-            work.hessian = Symmetric::scaled_identity(inertia);
-        }
-        if model.air {
-            self.blow(work, model, now, weights);
-        } else if model.pushes {
-            for (link, work) in self.links.iter().zip(&mut *work) {
-                work.slope -= work.wind * link.mass;
+            let mut slope = (here.place - here.drifting).mul_add(inertia, -(gravity * link.mass));
+            let mut hessian = Symmetric::scaled_identity(inertia);
+            if model.air {
+                let middle = (velocity_before + here.velocity(weights.per_h)) * half;
+                let push = push(link, along, here.direction, here.wind - middle);
+                slope -= (push.force + air.force) * half;
+                hessian.add_scaled(&push.slope, half_per_h);
+                hessian.add_scaled(&air.slope, half_per_h);
+                air = push;
+            } else if model.pushes {
+                slope -= here.wind * link.mass;
             }
-        }
-        for touchable in &self.touchable {
-            for near in &touchable.near {
-                let work = &mut work[near.stick];
-                work.slope += near.bearing.slope;
-                work.hessian.add(&near.bearing.hessian);
+            if here.touches {
+                slope += here.slope;
+                hessian.add(&here.hessian);
             }
+            further_out.add_point(slope, &hessian);
+            let joint = bend_joint(turn_before, here);
+            further_out.eliminate(here, link.length, joint, link.rotary * weights.per_h2, L::one());
         }
     }
 
@@ -102,27 +121,35 @@ impl<L: Lane> Batch<L> {
     #[inline(always)]
     pub(super) fn feel_contacts(
         &mut self,
-        work: &[Work<L>],
+        work: &mut [Work<L>],
         model: &Model,
         now: &Now<'_>,
         weights: &Weights<L>,
     ) -> L {
         let firmness = self.firmness(weights);
         let mut off2 = L::zero();
+        for near in self.touchable.iter().flat_map(|touchable| &touchable.near) {
+            work[near.stick].forget_touch();
+        }
         for touchable in &mut self.touchable {
             let surface = &now.surfaces[touchable.collider];
-            let at = |stick: usize| {
-                let work = &work[stick];
-                (work.place, (work.place - work.from) * weights.per_h)
-            };
+            let at = |stick: usize| (work[stick].place, work[stick].velocity(weights.per_h));
             off2 = off2.max(touchable.feel(model, surface, at, firmness));
+            for near in &touchable.near {
+                work[near.stick].touch(&near.bearing);
+            }
         }
         off2
     }
 
     /// How hard contacts are in an implicit step.
     pub(super) fn firmness(&self, weights: &Weights<L>) -> Firmness<L> {
-        Firmness { stiffness: self.contact_stiffness, per_h: weights.per_h, dt: weights.dt }
+        Firmness {
+            stiffness: self.contact_stiffness,
+            give: self.contact_give,
+            per_h: weights.per_h,
+            dt: weights.dt,
+        }
     }
 
     /// The velocity over the ground of the place where the strands grow, head axes, m/s.
@@ -132,92 +159,126 @@ impl<L: Lane> Batch<L> {
             Vector::splat(head.velocity) + Vector::splat(head.angular_velocity).cross(self.root)
         })
     }
-
-    /// The air on each stick, half at either end.
-    #[inline(always)]
-    fn blow(&self, work: &mut [Work<L>], model: &Model, now: &Now<'_>, weights: &Weights<L>) {
-        let along = L::splat(model.along);
-        let half = L::splat(0.5);
-        let half_per_h = half * weights.per_h;
-        let mut velocity_before = self.root_velocity(now);
-        for stick in 0..work.len() {
-            let here = &mut work[stick];
-            let velocity = (here.place - here.from) * weights.per_h;
-            let middle = (velocity_before + velocity) * half;
-            let push = push(&self.links[stick], along, here.direction, here.wind - middle);
-            let slope = push.force * half;
-            here.slope -= slope;
-            here.hessian.add_scaled(&push.slope, half_per_h);
-            if stick > 0 {
-                let before = &mut work[stick - 1];
-                before.slope -= slope;
-                before.hessian.add_scaled(&push.slope, half_per_h);
-            }
-            velocity_before = velocity;
-        }
-    }
 }
 
-/// From the tip: eliminates the turn of every stick. `rotary` is what a stick's rotary inertia counts, `righting` (0 or
-/// 1) what a pull along it does.
-#[inline(always)]
-pub(super) fn sweep_inwards<L: Lane>(links: &[Link<L>], work: &mut [Work<L>], rotary: L, righting: L) {
-    let mut places = Symmetric::zero();
-    let mut mixed = Matrix::zero();
-    let mut turns = Symmetric::zero();
-    let mut place_slope = Vector::zero();
-    let mut turn_slope = Vector::zero();
-    let mut outer_slope = Vector::zero();
-    for (link, work) in links.iter().zip(work).rev() {
-        places.add(&work.hessian);
-        place_slope += work.slope;
-        outer_slope += work.slope;
+/// Everything from a joint outwards: a quadratic form of its near end's displacement and of the turn of the stick before.
+pub(super) struct FurtherOut<L> {
+    places: Symmetric<L>,
+    mixed: Matrix<L>,
+    turns: Symmetric<L>,
+    place_slope: Vector<L>,
+    turn_slope: Vector<L>,
+    /// All forces on points, to know what pulls along a stick.
+    outer_slope: Vector<L>,
+}
+
+impl<L: Lane> FurtherOut<L> {
+    /// Beyond the tip there is nothing.
+    #[inline(always)]
+    pub fn nothing() -> Self {
+        let o = Vector::zero();
+        Self {
+            places: Symmetric::zero(),
+            mixed: Matrix::zero(),
+            turns: Symmetric::zero(),
+            place_slope: o,
+            turn_slope: o,
+            outer_slope: o,
+        }
+    }
+
+    /// Adds a point at the end that it has come to.
+    #[inline(always)]
+    pub fn add_point(&mut self, slope: Vector<L>, hessian: &Symmetric<L>) {
+        self.places.add(hessian);
+        self.place_slope += slope;
+        self.outer_slope += slope;
+    }
+
+    /// Goes on to a stick's near end: leaves in its work what its turn hangs on. `rotary` is what its rotary inertia
+    /// counts, `righting` (0 or 1) what a pull along it does.
+    #[inline(always)]
+    pub fn eliminate(
+        &mut self,
+        work: &mut Work<L>,
+        length: L,
+        Bending { torque, curvature }: Bending<L>,
+        rotary: L,
+        righting: L,
+    ) {
         // The point's displacement is that of the stick's near end plus turn × lever.
-        let lever = work.direction * link.length;
-        let a = places.to_matrix().mul_lever(lever);
-        let z = a.mul_add(L::splat(0.5), &mixed);
+        let lever = work.direction * length;
+        let a = self.places.to_matrix().mul_lever(lever);
+        let z = a.mul_add(L::splat(0.5), &self.mixed);
         let y = z.lever_mul(lever);
-        let mut q = turns;
+        let mut q = self.turns;
         q.add_with_transpose(&y);
-        let m = a.add(&mixed);
-        let slope = turn_slope + lever.cross(place_slope);
+        let m = a.add(&self.mixed);
+        let slope = self.turn_slope + lever.cross(self.place_slope);
         // A pull rights the stick, as weight does a pendulum. What would push it over is left to the gradient.
-        let pull = (-outer_slope.dot(lever)).max(L::zero()) * righting;
-        q.add_identity(pull + link.rotary * rotary);
+        let pull = (-self.outer_slope.dot(lever)).max(L::zero()) * righting;
+        q.add_identity(pull + rotary);
         q.add_outer(work.direction, -pull);
         let mut sum = q;
-        sum.add_identity(work.curvature);
+        sum.add_identity(curvature);
         let gain = sum.inverse();
         let m_gain = m.mul_symmetric(&gain);
-        let load = slope + work.torque;
+        let load = slope + torque;
+        work.curvature = curvature;
         work.gain = gain;
         work.lever = m_gain;
         work.offset = gain.mul_vector(load);
         // What is left for the stick before.
-        places.subtract_product(&m_gain, &m);
-        place_slope -= m_gain.mul_vector(load);
-        mixed = m_gain.scale(work.curvature);
+        self.places.subtract_product(&m_gain, &m);
+        self.place_slope -= m_gain.mul_vector(load);
+        self.mixed = m_gain.scale(curvature);
         // k − k gain k = k gain q, without taking like from like.
-        turns = gain.times_commuting(&q, work.curvature);
-        turn_slope = gain.mul_vector(slope * work.curvature) - gain.mul_vector(q.mul_vector(work.torque));
+        self.turns = gain.times_commuting(&q, curvature);
+        self.turn_slope = gain.mul_vector(slope * curvature) - gain.mul_vector(q.mul_vector(torque));
     }
 }
 
-/// From the root: the turn of every stick, left in `offset`. Out: how far any point of each strand went, m².
-#[inline(always)]
-pub(super) fn sweep_outwards<L: Lane>(links: &[Link<L>], work: &mut [Work<L>]) -> L {
-    let mut displacement = Vector::zero();
-    let mut turn_before = Vector::zero();
-    let mut farthest = L::zero();
-    for (link, work) in links.iter().zip(work) {
-        let turn = work.gain.mul_vector(turn_before * work.curvature)
-            - work.lever.transpose_mul(displacement)
-            - work.offset;
-        displacement += turn.cross(work.direction * link.length);
-        // Sticks that only fill up the batch have no mass and no say.
-        farthest = farthest.max(link.mass.above(L::zero(), displacement.norm_squared(), L::zero()));
-        work.offset = turn;
-        turn_before = turn;
+/// From the root: the turn of every stick.
+pub(super) struct Outwards<L> {
+    displacement: Vector<L>,
+    turn: Vector<L>,
+    /// How far any point of each strand goes, m².
+    pub farthest2: L,
+}
+
+impl<L: Lane> Outwards<L> {
+    /// At the root nothing moves.
+    #[inline(always)]
+    pub fn at_root() -> Self {
+        Self { displacement: Vector::zero(), turn: Vector::zero(), farthest2: L::zero() }
     }
-    farthest
+
+    /// The turn of the next stick.
+    #[inline(always)]
+    pub fn next(&mut self, link: &Link<L>, work: &Work<L>) -> Vector<L> {
+        self.turn = work.gain.mul_vector(self.turn * work.curvature)
+            - work.lever.transpose_mul(self.displacement)
+            - work.offset;
+        self.displacement += self.turn.cross(work.direction * link.length);
+        // Sticks that only fill up the batch have no mass and no say.
+        let went2 = link.mass.above(L::zero(), self.displacement.norm_squared(), L::zero());
+        self.farthest2 = self.farthest2.max(went2);
+        self.turn
+    }
+}
+
+/// From the root: turns every stick by as much of the way as is asked, each strand's own. Out: how far the whole way would
+/// take any point of each strand, m².
+#[inline(always)]
+pub(super) fn sweep_outwards<L: Lane>(root: Vector<L>, links: &[Link<L>], work: &mut [Work<L>], way: L) -> L {
+    let mut outwards = Outwards::at_root();
+    let mut end = root;
+    for (link, work) in links.iter().zip(work) {
+        let turned = work.turn.turned(outwards.next(link, work) * way);
+        work.turn = turned.where_above(way, L::zero(), work.turn);
+        work.direction = work.turn.x_axis();
+        end = work.direction.mul_add(link.length, end);
+        work.place = end;
+    }
+    outwards.farthest2
 }

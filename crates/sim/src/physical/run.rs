@@ -6,13 +6,15 @@ use super::march::{March, order};
 use super::stability::{Limit, limit};
 use crate::assumptions::assumptions;
 use crate::frames::max_stretch;
-use crate::lane::{Lane, Wide1, Wide4, Wide8};
+use crate::lane::{F64x1, Lane, Registers, WithLanes};
 use crate::parts::{Part, run_parts};
 use crate::plan::plan;
 use crate::timeline::Timeline;
 use crate::touchable::{n_reaching, touchable};
 use crate::{Integrator, Keeper, Precision, SimError, SimOptions, SimReport, Simulation};
+use core::fmt::Debug;
 use rayon::prelude::*;
+use std::sync::Arc;
 use tousle_core::{
     Assumption, Attachment, Groom, NoProgress, Pose, Progress, Quantity, Strand, StrandMotion,
 };
@@ -26,6 +28,7 @@ pub(crate) struct Ready<'a> {
     scene: &'a Scene,
     groom: &'a Groom,
     options: &'a SimOptions,
+    pub registers: Registers,
     timeline: Timeline<'a>,
     sampler: Sampler<'a>,
     law: DragLaw,
@@ -41,13 +44,66 @@ struct Layered<'a> {
     limit: Option<Limit>,
 }
 
-/// Some strands stopped at a frame, side by side.
+/// Some strands stopped at a frame, side by side. `None` of an integrator that moves strands one by one: nothing is kept,
+/// they run again from the start.
 #[derive(Clone, Debug)]
-pub(crate) enum Held {
-    Double(Vec<Batch<Wide4>>),
-    Single(Vec<Batch<Wide8>>),
-    /// Of an integrator that moves strands one by one: nothing is kept, they run again from the start.
-    Nothing,
+pub(crate) struct Held(Option<Arc<dyn SideBySide>>);
+
+/// Batches, however many strands are side by side.
+trait SideBySide: Debug + Send + Sync {
+    fn n_lanes(&self) -> usize;
+
+    /// [`March::go_on`].
+    fn go_on(&self, march: &March<'_>, frames: (usize, usize)) -> Vec<[f32; 3]>;
+
+    /// [`March::go_on_in_turn`].
+    fn go_on_in_turn(
+        &self,
+        march: &March<'_>,
+        n_variants: usize,
+        frames: (usize, usize),
+    ) -> Vec<Vec<[f32; 3]>>;
+}
+
+impl<L: Lane> SideBySide for Vec<Batch<L>> {
+    fn n_lanes(&self) -> usize {
+        L::N
+    }
+
+    fn go_on(&self, march: &March<'_>, frames: (usize, usize)) -> Vec<[f32; 3]> {
+        march.go_on(self.clone(), frames)
+    }
+
+    fn go_on_in_turn(
+        &self,
+        march: &March<'_>,
+        n_variants: usize,
+        frames: (usize, usize),
+    ) -> Vec<Vec<[f32; 3]>> {
+        march.go_on_in_turn(&self[0], n_variants, frames)
+    }
+}
+
+/// [`March::in_step`].
+struct InStep<'a>(March<'a>);
+
+impl WithLanes for InStep<'_> {
+    type Output = Part;
+
+    fn with<L: Lane>(self) -> Part {
+        self.0.in_step::<L>()
+    }
+}
+
+/// [`March::hold`].
+struct Hold<'a>(March<'a>, usize);
+
+impl WithLanes for Hold<'_> {
+    type Output = Arc<dyn SideBySide>;
+
+    fn with<L: Lane>(self) -> Arc<dyn SideBySide> {
+        Arc::new(self.0.hold::<L>(self.1))
+    }
 }
 
 impl<'a> Ready<'a> {
@@ -65,7 +121,8 @@ impl<'a> Ready<'a> {
         let in_head = solids(scene);
         let sampler = Sampler::new(field, |p| in_head.iter().any(|s| s.gap(p).distance_m < 0.0));
         timeline.cut(options.dt_secs.unwrap_or(SimOptions::DEFAULT_DT_SECS))?;
-        Ok(Self { field, scene, groom, options, timeline, sampler, law, prepared })
+        let registers = Registers::widest();
+        Ok(Self { field, scene, groom, options, registers, timeline, sampler, law, prepared })
     }
 
     pub fn run(
@@ -123,11 +180,9 @@ impl<'a> Ready<'a> {
     pub fn hold(&self, layers: &[FieldLayer], strands: &[usize], frame: usize) -> Result<Held, SimError> {
         let layered = self.layered(layers)?;
         let march = self.march(&layered, strands, &NoProgress);
-        Ok(match (self.options.integrator().is_in_step(), self.options.precision) {
-            (true, Precision::Double) => Held::Double(march.hold(frame)),
-            (true, Precision::Single) => Held::Single(march.hold(frame)),
-            (false, _) => Held::Nothing,
-        })
+        let is_in_step = self.options.integrator().is_in_step();
+        let hold = || self.registers.with_lanes(self.options.precision, Hold(march, frame));
+        Ok(Held(is_in_step.then(hold)))
     }
 
     /// Held strands from their frame to another one, both included.
@@ -140,12 +195,9 @@ impl<'a> Ready<'a> {
     ) -> Result<Vec<[f32; 3]>, SimError> {
         let layered = self.layered(layers)?;
         let march = self.march(&layered, strands, &NoProgress);
-        Ok(match held {
-            Held::Double(batches) => march.go_on(batches.clone(), frames),
-            Held::Single(batches) => march.go_on(batches.clone(), frames),
-            Held::Nothing => {
-                cut(&self.move_strands(&layered, strands, &NoProgress).positions_m, frames, &layered)
-            }
+        Ok(match &held.0 {
+            Some(batches) => batches.go_on(&march, frames),
+            None => cut(&self.move_strands(&layered, strands, &NoProgress).positions_m, frames, &layered),
         })
     }
 
@@ -158,11 +210,7 @@ impl<'a> Ready<'a> {
         strand: usize,
         frames: (usize, usize),
     ) -> Result<Vec<Vec<[f32; 3]>>, SimError> {
-        let n_at_once = match held {
-            Held::Double(_) => Wide4::N,
-            Held::Single(_) => Wide8::N,
-            Held::Nothing => 1,
-        };
+        let n_at_once = held.0.as_ref().map_or(1, |batches| batches.n_lanes());
         let some: Vec<_> = variants
             .par_chunks(n_at_once)
             .map(|variants| {
@@ -172,10 +220,9 @@ impl<'a> Ready<'a> {
                 let lanes: Vec<_> = (0..n_at_once).map(|k| variants[k.min(variants.len() - 1)]).collect();
                 let sampler = self.sampler.with_variants(layers, &lanes);
                 let march = March { sampler: &sampler, ..self.march(&layered, &[], &NoProgress) };
-                Ok(match held {
-                    Held::Double(batches) => march.go_on_in_turn(&batches[0], variants.len(), frames),
-                    Held::Single(batches) => march.go_on_in_turn(&batches[0], variants.len(), frames),
-                    Held::Nothing => {
+                Ok(match &held.0 {
+                    Some(batches) => batches.go_on_in_turn(&march, variants.len(), frames),
+                    None => {
                         let part = self.move_strands(&layered, &[strand], &NoProgress);
                         vec![cut(&part.positions_m, frames, &layered)]
                     }
@@ -239,11 +286,10 @@ impl<'a> Ready<'a> {
 
     fn move_strands(&self, layered: &Layered<'_>, strands: &[usize], progress: &dyn Progress) -> Part {
         let march = self.march(layered, strands, progress);
-        match (self.options.integrator(), self.options.precision) {
-            (Integrator::Adaptive, _) => march.adaptive(),
-            (Integrator::SemiImplicit | Integrator::Rk4, _) => march.explicit(),
-            (_, Precision::Double) => march.in_step::<Wide4>(),
-            (_, Precision::Single) => march.in_step::<Wide8>(),
+        match self.options.integrator() {
+            Integrator::Adaptive => march.adaptive(),
+            Integrator::SemiImplicit | Integrator::Rk4 => march.explicit(),
+            _ => self.registers.with_lanes(self.options.precision, InStep(march)),
         }
     }
 
@@ -358,7 +404,7 @@ fn explicit_limit(
     let strongest = crate::stability::strongest_vector(field, timeline.layers());
     let mut work = Vec::new();
     let limits = prepared.iter().enumerate().map(|(k, p)| {
-        let batch: Batch<Wide1> = build(&[(k, p)], law, timeline.body().colliders.len());
+        let batch: Batch<F64x1> = build(&[(k, p)], law, timeline.body().colliders.len());
         batch.make_room(&mut work);
         let lock = &p.lock;
         let per_mass = |(w, d): (&f64, &f64)| law.across(*w, strongest) * strongest / d;

@@ -1,0 +1,139 @@
+//! Which registers the machine has, and how many strands are stepped side by side in them.
+
+use super::{F32x1, F32x8, F32x16, F64x1, F64x4, F64x8, Lane};
+use crate::Precision;
+use pulp::NullaryFnOnce;
+#[cfg(target_arch = "x86_64")]
+use pulp::x86::{V3, V4};
+
+/// Registers to step strands in. A strand moves the same to the bit in all of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Registers {
+    /// AVX-512.
+    Bits512,
+    /// AVX2 with fused products and sums, or whatever another processor has.
+    Bits256,
+    /// An x86 processor without AVX2: strand by strand, and its fused operations are worked out by a library.
+    Scalar,
+}
+
+/// Something to be done with lanes that fit the registers.
+pub(crate) trait WithLanes {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn with<L: Lane>(self) -> Self::Output;
+}
+
+impl Registers {
+    /// The widest that this machine has.
+    #[cfg(target_arch = "x86_64")]
+    pub fn widest() -> Self {
+        if V4::try_new().is_some() {
+            Self::Bits512
+        } else if V3::try_new().is_some() {
+            Self::Bits256
+        } else {
+            Self::Scalar
+        }
+    }
+
+    /// The widest that this machine has.
+    #[cfg(not(target_arch = "x86_64"))]
+    pub fn widest() -> Self {
+        Self::Bits256
+    }
+
+    /// Does something with lanes that fit.
+    pub fn with_lanes<W: WithLanes>(self, precision: Precision, work: W) -> W::Output {
+        match (self, precision) {
+            (Self::Bits512, Precision::Double) => work.with::<F64x8>(),
+            (Self::Bits512, Precision::Single) => work.with::<F32x16>(),
+            (Self::Bits256, Precision::Double) => work.with::<F64x4>(),
+            (Self::Bits256, Precision::Single) => work.with::<F32x8>(),
+            (Self::Scalar, Precision::Double) => work.with::<F64x1>(),
+            (Self::Scalar, Precision::Single) => work.with::<F32x1>(),
+        }
+    }
+}
+
+/// Calls what was compiled for registers of 512 bits.
+///
+/// # Panics
+/// If there are none.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub(super) fn on_bits_512<Op: NullaryFnOnce>(op: Op) -> Op::Output {
+    V4::try_new().expect("a processor with AVX-512").vectorize(op)
+}
+
+/// Calls what was compiled for registers of 256 bits.
+///
+/// # Panics
+/// If there are none.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub(super) fn on_bits_256<Op: NullaryFnOnce>(op: Op) -> Op::Output {
+    V3::try_new().expect("a processor with AVX2").vectorize(op)
+}
+
+/// Calls what was compiled for one strand at a time, with fused products and sums if the processor has them.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub(super) fn on_any<Op: NullaryFnOnce>(op: Op) -> Op::Output {
+    match V3::try_new() {
+        Some(simd) => simd.vectorize(op),
+        None => op.call(),
+    }
+}
+
+/// Other processors that this is compiled for have their registers and fused operations from the start.
+#[cfg(not(target_arch = "x86_64"))]
+pub(super) use {on_scalars as on_any, on_scalars as on_bits_256, on_scalars as on_bits_512};
+
+/// Calls what was compiled for any processor.
+#[inline(always)]
+pub(super) fn on_scalars<Op: NullaryFnOnce>(op: Op) -> Op::Output {
+    op.call()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Method, SimOptions, paper, physical};
+    use tousle_bench::worlds::{gusts, mannequin, wig};
+    use tousle_core::NoProgress;
+
+    /// A strand does not know how many are stepped beside it, nor in which registers.
+    #[test]
+    fn strands_move_the_same_in_all_registers() {
+        let (field, scene, groom) = (gusts(), mannequin(), wig(21, 9));
+        let here = [Registers::Bits512, Registers::Bits256, Registers::Scalar]
+            .into_iter()
+            .skip_while(|registers| *registers != Registers::widest());
+        let here: Vec<Registers> = here.collect();
+        for method in [Method::Paper, Method::Physical] {
+            for precision in [Precision::Double, Precision::Single] {
+                let options = SimOptions { precision, duration_secs: Some(0.15), ..SimOptions::of(method) };
+                let run = |registers: &Registers| {
+                    let simulation = match method {
+                        Method::Paper => {
+                            let mut ready = paper::Ready::new(&field, &scene, &groom, &options).unwrap();
+                            ready.registers = *registers;
+                            ready.run(&[], None, &NoProgress)
+                        }
+                        Method::Physical => {
+                            let mut ready = physical::Ready::new(&field, &scene, &groom, &options).unwrap();
+                            ready.registers = *registers;
+                            ready.run(&[], None, &NoProgress)
+                        }
+                    };
+                    simulation.unwrap().motion.positions_m
+                };
+                let moved: Vec<_> = here.iter().map(run).collect();
+                assert!(moved.iter().all(|m| *m == moved[0]), "{method:?}, {precision:?}, {here:?}");
+            }
+        }
+    }
+}
