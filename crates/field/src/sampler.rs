@@ -152,7 +152,7 @@ impl<'a> Sampler<'a> {
         let layers = self.layers.iter().map(|placed| (placed, placed.layer.presence(time_secs)));
         let layers: Vec<_> = layers.filter(|(_, presence)| *presence > 0.0).collect();
         let source = if together {
-            Source::Together(before.iter().zip(after).map(|(a, b)| between(*a, *b, share)).collect())
+            Source::Together(lay_together(before, after, share))
         } else {
             Source::Steps { before, after, share }
         };
@@ -215,16 +215,6 @@ impl<'a> Sampler<'a> {
     }
 }
 
-/// Each number between two others.
-#[inline(always)]
-fn between<const N: usize>(a: [f32; N], b: [f32; N], share: f32) -> [f32; N] {
-    let mut found = a;
-    for k in 0..N {
-        found[k] += (b[k] - a[k]) * share;
-    }
-    found
-}
-
 /// The larger of two; the second if the first is NaN.
 #[inline(always)]
 fn larger(a: f32, b: f32) -> f32 {
@@ -261,13 +251,13 @@ impl Moment<'_> {
         let places = self.sampler.places(points_m);
         let sums = match &self.source {
             Source::Together(voxels) => places.gather(voxels),
-            Source::Steps { before, after, share } => places.gather(&Mixed { before, after, share: *share }),
+            Source::Steps { before, after, share } => places.gather_mixed(before, after, *share),
         };
         let mut vectors = [[0.0; WIDTH]; 3];
         for k in 0..WIDTH {
-            let per_weight = if sums[3][k] > 1e-6 { 1.0 / sums[3][k] } else { 0.0 };
+            let per_weight = if sums[k][3] > 1e-6 { 1.0 / sums[k][3] } else { 0.0 };
             for axis in 0..3 {
-                let inside = sums[axis][k] * per_weight;
+                let inside = sums[k][axis] * per_weight;
                 vectors[axis][k] = inside + (self.outside[axis] - inside) * places.far[k];
             }
         }
@@ -297,52 +287,92 @@ impl Moment<'_> {
     }
 }
 
-/// Where to find a voxel and the next along z; at the grid's side another one, of which nothing is taken.
-trait Pairs {
-    fn pair(&self, flat: u32) -> [f32; 8];
-}
-
-impl Pairs for Voxels {
-    #[inline(always)]
-    fn pair(&self, flat: u32) -> [f32; 8] {
-        let mut pair = [0.0; 8];
-        pair.copy_from_slice(self[flat as usize..flat as usize + 2].as_flattened());
-        pair
+/// Two steps mixed in every voxel.
+fn lay_together(before: &Voxels, after: &Voxels, share: f32) -> Voxels {
+    let mut voxels = before.clone();
+    for (number, after) in voxels.as_flattened_mut().iter_mut().zip(after.as_flattened()) {
+        *number = mix(*number, *after, share);
     }
+    voxels
 }
 
-/// Two steps and the share of the second.
-struct Mixed<'a> {
-    before: &'a Voxels,
-    after: &'a Voxels,
-    share: f32,
+/// A step's voxel and the next along z; at the grid's side another one, of which nothing is taken.
+#[inline(always)]
+fn pair(voxels: &Voxels, flat: u32) -> &[f32; 8] {
+    voxels[flat as usize..flat as usize + 2].as_flattened().try_into().expect("two voxels of four numbers")
 }
 
-impl Pairs for Mixed<'_> {
-    #[inline(always)]
-    fn pair(&self, flat: u32) -> [f32; 8] {
-        between(self.before.pair(flat), self.after.pair(flat), self.share)
-    }
-}
+/// Four pairs of voxels along z: those before a point and the next along y, then the same for the next along x.
+type Pairs<'a> = [&'a [f32; 8]; 4];
 
 impl Places {
+    /// The voxels around the `k`-th point.
+    #[inline(always)]
+    fn around<'a>(&self, voxels: &'a Voxels, k: usize) -> Pairs<'a> {
+        let (low, step_x, step_y) = (self.low[k], self.steps[0][k], self.steps[1][k]);
+        let next_x = low + step_x;
+        [pair(voxels, low), pair(voxels, low + step_y), pair(voxels, next_x), pair(voxels, next_x + step_y)]
+    }
+
     /// Vectors and weights between the eight voxels around each point, by components.
     #[inline(always)]
-    fn gather(&self, voxels: &impl Pairs) -> [[f32; WIDTH]; 4] {
-        let mut sums = [[0.0; WIDTH]; 4];
-        for k in 0..WIDTH {
-            let (low, step_x, step_y) = (self.low[k], self.steps[0][k], self.steps[1][k]);
-            let near_x = between(voxels.pair(low), voxels.pair(low + step_y), self.shares[1][k]);
-            let low = low + step_x;
-            let far_x = between(voxels.pair(low), voxels.pair(low + step_y), self.shares[1][k]);
-            let along_z = between(near_x, far_x, self.shares[0][k]);
-            for axis in 0..4 {
-                let (near, far) = (along_z[axis], along_z[4 + axis]);
-                sums[axis][k] = near + (far - near) * self.shares[2][k];
+    fn gather(&self, voxels: &Voxels) -> [[f32; 4]; WIDTH] {
+        let mut sums = [[0.0; 4]; WIDTH];
+        for (k, sum) in sums.iter_mut().enumerate() {
+            let pairs = self.around(voxels, k);
+            let shares = [self.shares[0][k], self.shares[1][k]];
+            let mut along_z = [0.0; 8];
+            for n in 0..8 {
+                along_z[n] = among(pairs[0][n], pairs[1][n], pairs[2][n], pairs[3][n], shares);
             }
+            *sum = self.along_z(along_z, k);
         }
         sums
     }
+
+    /// [`Places::gather`] of two steps laid together, in the same order for each number.
+    #[inline(always)]
+    fn gather_mixed(&self, before: &Voxels, after: &Voxels, share: f32) -> [[f32; 4]; WIDTH] {
+        let mut sums = [[0.0; 4]; WIDTH];
+        for (k, sum) in sums.iter_mut().enumerate() {
+            let (a, b) = (self.around(before, k), self.around(after, k));
+            let shares = [self.shares[0][k], self.shares[1][k]];
+            let mut along_z = [0.0; 8];
+            for n in 0..8 {
+                along_z[n] = among(
+                    mix(a[0][n], b[0][n], share),
+                    mix(a[1][n], b[1][n], share),
+                    mix(a[2][n], b[2][n], share),
+                    mix(a[3][n], b[3][n], share),
+                    shares,
+                );
+            }
+            *sum = self.along_z(along_z, k);
+        }
+        sums
+    }
+
+    /// The `k`-th point's numbers between those of two voxels along z.
+    #[inline(always)]
+    fn along_z(&self, pair: [f32; 8], k: usize) -> [f32; 4] {
+        let mut found = [0.0; 4];
+        for axis in 0..4 {
+            found[axis] = mix(pair[axis], pair[4 + axis], self.shares[2][k]);
+        }
+        found
+    }
+}
+
+/// A number between those of four neighbors along x and y.
+#[inline(always)]
+fn among(near: f32, next_y: f32, next_x: f32, next_xy: f32, [share_x, share_y]: [f32; 2]) -> f32 {
+    mix(mix(near, next_y, share_y), mix(next_x, next_xy, share_y), share_x)
+}
+
+/// A number between two others.
+#[inline(always)]
+fn mix(a: f32, b: f32, share: f32) -> f32 {
+    a + (b - a) * share
 }
 
 #[cfg(test)]

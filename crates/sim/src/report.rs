@@ -22,7 +22,7 @@ pub struct SimReport {
     pub limit: String,
     /// The step that was taken, s.
     pub dt_secs: f64,
-    /// Steps that were taken; with method `physical` of each batch of strands, added up.
+    /// Steps that were taken; with method `physical` of each strand, added up.
     pub n_steps: u64,
     /// Iterations that a step took on average.
     pub iterations_per_step: f64,

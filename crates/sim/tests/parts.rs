@@ -19,7 +19,7 @@ struct Shelf {
 
 impl Keeper for Shelf {
     fn strands_per_part(&self) -> Option<usize> {
-        Some(8)
+        Some(16)
     }
 
     fn kept(&self, part: usize) -> Result<Option<Part>, Box<dyn Error + Send + Sync>> {
@@ -35,14 +35,14 @@ impl Keeper for Shelf {
     }
 }
 
-/// Thirty strands of four lengths on the head.
-fn thirty() -> Groom {
+/// Sixty strands of four lengths on the head.
+fn sixty() -> Groom {
     groom(
-        (0..30)
+        (0..60)
             .map(|k| {
                 let (sin, cos) = libm::sincos(f64::from(k));
                 let root = Vec3::new(0.08 * cos, 0.06 * sin, 0.03);
-                straight(root, Vec3::new(cos, sin, -1.0), 0.1 + 0.01 * f64::from(k), 3 + k as usize % 4)
+                straight(root, Vec3::new(cos, sin, -1.0), 0.1 + 0.005 * f64::from(k), 3 + k as usize % 4)
             })
             .collect(),
     )
@@ -56,7 +56,7 @@ fn run(groom: &Groom, options: &SimOptions, keeper: Option<&dyn Keeper>) -> Resu
 
 #[test]
 fn a_stopped_run_goes_on_to_the_same_bytes() {
-    let groom = thirty();
+    let groom = sixty();
     for options in [
         physical(Integrator::Implicit, 1.0 / 120.0, 0.3),
         physical(Integrator::Adaptive, 1.0 / 120.0, 0.1),
@@ -77,9 +77,9 @@ fn a_stopped_run_goes_on_to_the_same_bytes() {
 fn a_part_of_another_size_is_refused() {
     let options = physical(Integrator::Implicit, 1.0 / 60.0, 0.1);
     let shelf = Shelf { parts: RefCell::default(), most: 99 };
-    run(&thirty(), &options, Some(&shelf)).unwrap();
+    run(&sixty(), &options, Some(&shelf)).unwrap();
     let longer = SimOptions { duration_secs: Some(0.2), ..options };
-    assert!(matches!(run(&thirty(), &longer, Some(&shelf)), Err(SimError::OtherPart { number: 0 })));
+    assert!(matches!(run(&sixty(), &longer, Some(&shelf)), Err(SimError::OtherPart { number: 0 })));
 }
 
 /// The style of a strand that nobody gave a stiffness stays up; one that is as soft by word of its groom falls.

@@ -110,17 +110,20 @@ impl<L: Lane> Batch<L> {
         carry: Option<&Carry>,
         formula: Formula,
     ) {
-        self.count.steps += 1;
+        let n_strands = self.strands.len() as u64;
+        self.count.steps += n_strands;
         if self.at_rest && now.is_still {
-            self.count.slept += 1;
+            self.count.slept += n_strands;
             return;
         }
         self.at_rest = false;
-        if let Some(carry) = carry {
-            self.carry(carry, now);
+        // After a cut the hair goes along, with the shape and the velocities it had, as the head sees them.
+        let moved = carry.filter(|carry| !carry.is_cut).map(Moved::new);
+        if let Some(moved) = &moved {
+            self.carry_slips(moved, now);
         }
         let weights = Weights::new(formula.dt_secs, formula.h_secs);
-        self.prepare(work, &weights, formula);
+        self.prepare(work, moved.as_ref(), &weights, formula);
         self.feel_wind(work, model, now);
         self.settle(work, model, now, &weights);
         self.finish(work, &weights);
@@ -167,53 +170,53 @@ impl<L: Lane> Batch<L> {
                 }
             }
             if updates == MAX_ITERATIONS {
-                self.count.unsettled += 1;
+                self.count.unsettled += self.n_above_zero(active);
                 self.count.unsettled_m = self.count.unsettled_m.max((moved2 * active).largest().sqrt());
                 return;
             }
+            self.count.iterations += self.n_above_zero(active);
             self.sweep_inwards(work, model, now, weights);
             let way = active * L::splat(share_of_way(updates));
             moved2_before = moved2;
             moved2 = sweep_outwards(self.root, &self.links, work, way);
             room_m -= moved2.sqrt() * way;
-            self.count.iterations += 1;
         }
     }
 
-    /// Takes what was into the head's axes at the step's end.
+    /// How many strands, of those that are read, have a number above 0.
     #[inline(always)]
-    fn carry(&mut self, carry: &Carry, now: &Now<'_>) {
-        if carry.is_cut {
-            // The hair goes along, with the shape and the velocities it had, as the head sees them.
-            return;
-        }
-        let q = carry.turn.quaternion();
-        let turn = Turn { w: L::splat(q.w), v: Vector::splat(Vec3::new(q.i, q.j, q.k)) };
-        let shift = Vector::splat(carry.shift);
-        for state in &mut self.states {
-            state.turn = turn.after(state.turn);
-            state.turn_before = turn.after(state.turn_before);
-            state.turn_long_before = turn.after(state.turn_long_before);
-            state.place = turn.rotate(state.place) + shift;
-            state.place_before = turn.rotate(state.place_before) + shift;
-            state.velocity = turn.rotate(state.velocity);
-            state.velocity_before = turn.rotate(state.velocity_before);
-        }
+    fn n_above_zero(&self, numbers: L) -> u64 {
+        (0..self.strands.len()).filter(|lane| numbers.get(*lane) > 0.0).count() as u64
+    }
+
+    /// Takes what friction goes by into the head's axes at the step's end.
+    #[inline(always)]
+    fn carry_slips(&mut self, moved: &Moved<L>, now: &Now<'_>) {
         for touchable in &mut self.touchable {
             if !now.surfaces[touchable.collider].is_heads {
                 for slip in &mut touchable.slips {
-                    *slip = turn.rotate(*slip);
+                    *slip = moved.turn.rotate(*slip);
                 }
             }
         }
     }
 
-    /// What a step begins with: the history's weighted sums, and a first guess of turns and places.
+    /// What a step begins with: the history in the head's axes at the step's end, its weighted sums, and a first guess of
+    /// turns and places.
     #[inline(always)]
-    fn prepare(&self, work: &mut [Work<L>], weights: &Weights<L>, formula: Formula) {
+    fn prepare(
+        &mut self,
+        work: &mut [Work<L>],
+        moved: Option<&Moved<L>>,
+        weights: &Weights<L>,
+        formula: Formula,
+    ) {
         let (now, before) = (L::splat(formula.now), L::splat(formula.before));
         let mut end = self.root;
-        for ((link, state), work) in self.links.iter().zip(&self.states).zip(work) {
+        for ((link, state), work) in self.links.iter().zip(&mut self.states).zip(work) {
+            if let Some(moved) = moved {
+                moved.carry(state);
+            }
             work.from = state.place * now + state.place_before * before;
             let velocity = state.velocity * now + state.velocity_before * before;
             work.drifting = work.from + velocity * weights.h;
@@ -302,6 +305,33 @@ impl<L: Lane> Batch<L> {
             state.bend = before.inverse().after(work.turn).bend();
             before = work.turn;
         }
+    }
+}
+
+/// [`Carry`] of what is not cut, for all strands.
+struct Moved<L> {
+    turn: Turn<L>,
+    shift: Vector<L>,
+}
+
+impl<L: Lane> Moved<L> {
+    #[inline(always)]
+    fn new(carry: &Carry) -> Self {
+        let q = carry.turn.quaternion();
+        let turn = Turn { w: L::splat(q.w), v: Vector::splat(Vec3::new(q.i, q.j, q.k)) };
+        Self { turn, shift: Vector::splat(carry.shift) }
+    }
+
+    /// Takes what was into the head's axes at the step's end.
+    #[inline(always)]
+    fn carry(&self, state: &mut State<L>) {
+        state.turn = self.turn.after(state.turn);
+        state.turn_before = self.turn.after(state.turn_before);
+        state.turn_long_before = self.turn.after(state.turn_long_before);
+        state.place = self.turn.rotate(state.place) + self.shift;
+        state.place_before = self.turn.rotate(state.place_before) + self.shift;
+        state.velocity = self.turn.rotate(state.velocity);
+        state.velocity_before = self.turn.rotate(state.velocity_before);
     }
 }
 
