@@ -1,19 +1,53 @@
 //! Least squares, damped.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
+use tousle_core::Vec3;
 
-/// The step that makes the rows least, in the linear picture: `−(JᵀJ + λ diag JᵀJ)⁻¹ Jᵀ rows` (Marquardt 1963).
-///
-/// Zero if the normal matrix has no inverse even so.
-pub(crate) fn step(jacobian: &DMatrix<f64>, rows: &DVector<f64>, damping: f64) -> DVector<f64> {
-    let mut normal = jacobian.tr_mul(jacobian);
-    let largest = normal.diagonal().max();
-    for k in 0..normal.nrows() {
-        // What nothing depends on stays where it is.
-        normal[(k, k)] += damping * normal[(k, k)] + 1e-12 * largest;
+/// Rows that shall become least, in the linear picture.
+pub(crate) struct Normal {
+    /// JᵀJ.
+    matrix: DMatrix<f64>,
+    /// Jᵀ rows.
+    gradient: DVector<f64>,
+}
+
+impl Normal {
+    /// Of rows that count by weights, and how they change.
+    pub(crate) fn new(jacobian: &DMatrix<f64>, rows: &DVector<f64>, weights: &DVector<f64>) -> Self {
+        let mut weighed = jacobian.clone();
+        for mut column in weighed.column_iter_mut() {
+            column.component_mul_assign(weights);
+        }
+        let gradient = weighed.tr_mul(&rows.component_mul(weights));
+        Self { matrix: weighed.tr_mul(&weighed), gradient }
     }
-    let gradient = jacobian.tr_mul(rows);
-    Cholesky::new(normal).map_or_else(|| DVector::zeros(gradient.len()), |normal| -normal.solve(&gradient))
+
+    /// The step that makes the rows least: `−(JᵀJ + λ diag JᵀJ)⁻¹ Jᵀ rows` (Marquardt 1963).
+    ///
+    /// Zero if the normal matrix has no inverse even so.
+    pub(crate) fn step(&self, damping: f64) -> DVector<f64> {
+        let mut normal = self.matrix.clone();
+        let largest = normal.diagonal().max();
+        for k in 0..normal.nrows() {
+            // What nothing depends on stays where it is.
+            normal[(k, k)] += damping * normal[(k, k)] + 1e-12 * largest;
+        }
+        let nothing = || DVector::zeros(self.gradient.len());
+        Cholesky::new(normal).map_or_else(nothing, |normal| -normal.solve(&self.gradient))
+    }
+}
+
+/// A Jacobian that says of a step what it did to the rows, and of steps across it what it said before (Broyden 1965).
+pub(crate) fn updated(mut jacobian: DMatrix<f64>, step: &DVector<f64>, did: &DVector<f64>) -> DMatrix<f64> {
+    let unforeseen = did - &jacobian * step;
+    jacobian.ger(1.0 / step.norm_squared().max(f64::MIN_POSITIVE), &unforeseen, step, 1.0);
+    jacobian
+}
+
+/// The way from some vectors to others, component after component.
+pub(crate) fn between(before: &[Vec3], after: &[Vec3]) -> DVector<f64> {
+    let moved = after.iter().zip(before).flat_map(|(a, b)| <[f64; 3]>::from(a - b));
+    DVector::from_iterator(3 * before.len(), moved)
 }
 
 #[cfg(test)]
@@ -24,7 +58,19 @@ mod tests {
     #[test]
     fn a_line_is_found_in_one_step() {
         let jacobian = DMatrix::from_row_slice(3, 2, &[1.0, 0.0, 1.0, 1.0, 1.0, 2.0]);
-        let found = step(&jacobian, &DVector::from_vec(vec![-1.0, -3.0, -5.0]), 0.0);
+        let found =
+            Normal::new(&jacobian, &DVector::from_vec(vec![-1.0, -3.0, -5.0]), &DVector::repeat(3, 2.0))
+                .step(0.0);
         assert!((found - DVector::from_vec(vec![1.0, 2.0])).norm() < 1e-9);
+    }
+
+    #[test]
+    fn an_update_foretells_the_step_that_was_made() {
+        let jacobian = DMatrix::from_row_slice(2, 3, &[1.0, 0.0, 2.0, 0.0, 1.0, 0.0]);
+        let (step, did) = (between(&[Vec3::x()], &[Vec3::y()]), DVector::from_vec(vec![3.0, -1.0]));
+        let updated = updated(jacobian.clone(), &step, &did);
+        assert!((&updated * step - did).norm() < 1e-12);
+        let across = DVector::from_vec(vec![2.0, 2.0, 5.0]);
+        assert!((updated * &across - jacobian * across).norm() < 1e-12);
     }
 }

@@ -1,4 +1,5 @@
 use serde::Serialize;
+use tousle_core::Vec3;
 use tousle_edit::{Change, EditOutcome, Unreachable};
 use tousle_field::LayerKey;
 
@@ -37,11 +38,16 @@ pub struct SolvedOutcome {
     pub keys: Vec<KeyOutcome>,
     /// The longest extra vector, in the field's quantity.
     pub strongest: f64,
-    /// The largest acceleration of the dragged strands over that of their unedited motion, and the same of jerk.
+    /// The largest acceleration of the dragged strands over that of their unedited motion.
     pub acceleration_ratio: f64,
     /// The same of jerk.
     pub jerk_ratio: f64,
-    /// Whether that is what the keys ask for: the smoothest way there from the unedited motion already does more.
+    /// What the keys demand of it at the least, whatever pulls the strand: an even acceleration from the motion that it has
+    /// at the first key to within the tolerance of each key, over the peak of its unedited motion.
+    pub least_acceleration_ratio: f64,
+    /// The same of jerk.
+    pub least_jerk_ratio: f64,
+    /// Whether one of these is more than strands may do unasked ([`crate::DirectOptions::peak_ratio`]).
     pub peaks_demanded: bool,
     /// How often strands were simulated for it.
     pub n_runs: usize,
@@ -57,7 +63,9 @@ pub struct KeyOutcome {
     /// What should be where, and when.
     #[serde(flatten)]
     pub key: LayerKey,
-    /// The distance from there without and with the edit, mm.
+    /// Where it was aimed at, head space, m: the target, or the nearest place to it that the lock can be at.
+    pub aimed_m: Vec3,
+    /// The distance from the target without and with the edit, mm.
     pub residual_mm: Change,
     /// Why it is not met to within the tolerance, if it is not.
     pub unreachable: Option<Unreachable>,

@@ -1,17 +1,21 @@
 //! Gauss and Newton's method through the simulator.
 
+mod descend;
 mod ground;
+mod peaks;
 mod problem;
+mod push;
 
 pub use ground::Ground;
 
 use crate::basis::{Basis, Times};
-use crate::target::aim;
+use crate::target::{Aim, aim};
 use crate::{DirectError, DirectOptions, KeyOutcome, SolvedOutcome, Stage};
-use problem::{Problem, Run};
+use peaks::Peaks;
+use problem::{Problem, Run, Weights};
 use std::sync::Arc;
-use tousle_core::{StrandMotion, Vec3};
-use tousle_edit::{Change, EditError, FoundKey, Unreachable, peak_acceleration, peak_jerk};
+use tousle_core::Vec3;
+use tousle_edit::{Change, EditError, FoundKey, Unreachable};
 use tousle_field::{FieldLayer, LayerKey};
 
 /// A drag whose strands and times were found.
@@ -68,11 +72,9 @@ pub fn solve(
         _ => Arc::new(Ground::new(stage, layers, drag)?),
     };
     let keys: Vec<LayerKey> = drag.keys.iter().map(|key| layer_key(stage, key)).collect();
-    let aims: Vec<(Vec3, Option<Unreachable>)> =
-        drag.keys.iter().map(|key| aim(stage, key, &ground.points_at(key))).collect();
+    let aims: Vec<Aim> = drag.keys.iter().map(|key| aim(stage, key, &ground.points_at(key))).collect();
     let mut solver = Solver { stage, ground: &ground, drag, keys: &keys, options, n_runs: 0 };
-    let places: Vec<Vec3> = aims.iter().map(|(place, _)| *place).collect();
-    let best = solver.best(&places, before.map(|before| &before.vectors[..]))?;
+    let best = solver.best(&aims, before.map(|before| &before.vectors[..]))?;
     let n_runs = solver.n_runs;
     let mut outcome = outcome(&best, &ground, drag, &keys, aims, options)?;
     outcome.n_runs = n_runs;
@@ -95,6 +97,8 @@ struct Answer<'a> {
     problem: Problem<'a>,
     vectors: Vec<Vec3>,
     run: Run,
+    /// How much more violently the strands move than without the drag.
+    ratios: Peaks,
 }
 
 struct Solver<'a> {
@@ -106,109 +110,89 @@ struct Solver<'a> {
     n_runs: usize,
 }
 
-/// Iterations of one attempt. Five are usual; where a strand slips they may not settle.
-const MAX_ITERATIONS: usize = 12;
+/// What a peak that is twice what it may be counts at first, and in the search for a calmer answer.
+const CALM: f64 = 5.0;
+const CALMER: f64 = 50.0;
 
-/// Shares of a step that are tried side by side.
-const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.08];
+/// What is tried until something meets its keys and is calm.
+#[derive(Clone, Copy, Debug)]
+enum Attempt {
+    /// Handles along a guessed way, and a start from the nearest of some pushes.
+    Guessed,
+    /// Handles along the way that the last answer takes, and a start from there.
+    Known,
+    /// More vectors along the strand, and a start from nothing.
+    Finer,
+}
 
-/// A key counts as met well when it is met to this share of the tolerance.
-const WELL_MET: f64 = 0.1;
+/// What is tried after the first attempt, one after another.
+const ATTEMPTS: [Attempt; 3] = [Attempt::Known, Attempt::Known, Attempt::Finer];
 
-/// How often smoother than usual an answer may be asked to be.
-const SMOOTHER: [f64; 2] = [30.0, 1000.0];
+/// How many of these while a hand moves: the next answer is worth more than a better one.
+const ATTEMPTS_OF_A_HAND: usize = 1;
 
 impl<'a> Solver<'a> {
-    /// Attempts until one meets its keys, then smoother ones until one moves no more violently than it may.
-    fn best(&mut self, aims: &[Vec3], start: Option<&[Vec3]>) -> Result<Answer<'a>, DirectError> {
-        let mut best = self.attempt(aims, 0, None, start, 1.0)?;
-        for finer in [0, 1] {
-            if self.is_met(&best) {
+    /// Attempts until one meets its keys and moves no more violently than it may; the best of them.
+    fn best(&mut self, aims: &[Aim], start: Option<&[Vec3]>) -> Result<Answer<'a>, DirectError> {
+        let mut best = self.attempt(aims, Attempt::Guessed, None, start)?;
+        let n_attempts = if start.is_some() { ATTEMPTS_OF_A_HAND } else { ATTEMPTS.len() };
+        for kind in ATTEMPTS.into_iter().take(n_attempts) {
+            if best.is_good(self.options) {
                 break;
             }
-            // The strand goes another way than was guessed: handles along the way it takes.
-            let start = (finer == 0).then(|| best.vectors.clone());
-            let next = self.attempt(aims, finer, Some(&best.run), start.as_deref(), 1.0)?;
-            if next.run.miss_m() < best.run.miss_m() {
-                best = next;
-            }
-        }
-        for smoother in SMOOTHER {
-            let ratios = best.problem.ratios(&best.vectors)?;
-            if ratios.into_iter().fold(0.0, f64::max) <= self.options.peak_ratio {
-                break;
-            }
-            let next = self.smoother(&best, smoother)?;
-            if self.is_met(&next) || next.run.miss_m() <= best.run.miss_m() {
+            let next = self.attempt(aims, kind, Some(&best), None)?;
+            if next.is_better_than(&best) {
                 best = next;
             }
         }
         Ok(best)
     }
 
-    fn is_met(&self, answer: &Answer<'_>) -> bool {
-        answer.run.miss_m() <= self.options.tolerance_m
-    }
-
-    /// One attempt, with handles along a guessed way or a known one.
     fn attempt(
         &mut self,
-        aims: &[Vec3],
-        finer: i32,
-        way: Option<&Run>,
+        aims: &[Aim],
+        kind: Attempt,
+        last: Option<&Answer<'a>>,
         start: Option<&[Vec3]>,
-        smoothness: f64,
     ) -> Result<Answer<'a>, DirectError> {
         let secs: Vec<f64> = self.keys.iter().map(|key| key.secs).collect();
-        let times = Times::new(self.drag.first_secs, &secs, finer);
-        let strands = self.ground.dragged(&times, self.drag, aims, way.map(|run| &run.motions[..]));
+        let times = Times::new(self.drag.first_secs, &secs);
+        let way = last.filter(|_| matches!(kind, Attempt::Known)).map(|last| &last.run.motions[..]);
+        let is_finer = matches!(kind, Attempt::Finer);
+        let strands = self.ground.dragged(&times, self.drag, aims, way, is_finer);
         let bad = |problem| EditError::BadEdit { number: 1, name: self.drag.name.clone(), problem };
         let basis = Basis::new(times, &strands, self.drag.reach_m).map_err(bad)?;
         let problem =
-            Problem::new(self.stage, self.ground, self.drag, self.keys, aims.to_vec(), basis, self.options)
-                .with_smoothness(smoothness);
+            Problem::new(self.stage, self.ground, self.drag, self.keys, aims.to_vec(), basis, self.options);
+        let start = match kind {
+            Attempt::Known => last.map(|last| &last.vectors[..]),
+            _ => start,
+        };
         let start = start.filter(|start| start.len() == problem.n());
-        let start = start.map_or_else(|| vec![Vec3::zeros(); problem.n()], <[Vec3]>::to_vec);
-        self.minimize(problem, start)
-    }
-
-    /// The same handles, and a smoother way there.
-    fn smoother(&mut self, from: &Answer<'a>, smoothness: f64) -> Result<Answer<'a>, DirectError> {
-        self.minimize(from.problem.clone().with_smoothness(smoothness), from.vectors.clone())
-    }
-
-    fn minimize(&mut self, problem: Problem<'a>, start: Vec<Vec3>) -> Result<Answer<'a>, DirectError> {
-        let mut vectors = start;
-        let mut run = problem.run(std::slice::from_ref(&vectors))?.remove(0);
-        let mut damping = 1e-4;
-        self.n_runs += 1;
-        for _ in 0..MAX_ITERATIONS {
-            let jacobian = problem.jacobian(&vectors, &run)?;
-            self.n_runs += 3 * problem.n();
-            let mut improved = 0.0;
-            for _ in 0..3 {
-                let step = crate::normal::step(&jacobian, &run.rows, damping);
-                let tried: Vec<Vec<Vec3>> =
-                    SHARES.iter().map(|share| problem.moved(&vectors, &step, *share)).collect();
-                let runs = problem.run(&tried)?;
-                self.n_runs += tried.len();
-                let costs = runs.iter().map(Run::cost).enumerate();
-                let (k, cost) = costs.min_by(|a, b| a.1.total_cmp(&b.1)).expect("some shares");
-                if cost < run.cost() {
-                    improved = 1.0 - cost / run.cost();
-                    damping *= if k == 0 { 0.1 } else { 3.0 };
-                    let mut runs = runs;
-                    (vectors, run) = (tried[k].clone(), runs.swap_remove(k));
-                    break;
-                }
-                damping = f64::max(30.0 * damping, 1e-3);
-            }
-            let is_well_met = run.miss_m() <= WELL_MET * self.options.tolerance_m;
-            if improved < 1e-3 || (is_well_met && improved < 0.1) {
-                break;
-            }
+        let starts = start.map_or_else(|| problem.starts(), |start| vec![start.to_vec()]);
+        let found = self.descend(problem, starts, Weights { keys: 0.0, peaks: CALM })?;
+        if !found.run.is_met() || found.is_good(self.options) {
+            return Ok(found);
         }
-        Ok(Answer { problem, vectors, run })
+        let weights = Weights { keys: f64::INFINITY, peaks: CALMER };
+        let calmer = self.descend(found.problem.clone(), vec![found.vectors.clone()], weights)?;
+        Ok(if calmer.is_better_than(&found) { calmer } else { found })
+    }
+}
+
+impl Answer<'_> {
+    /// Whether no other is looked for.
+    fn is_good(&self, options: &DirectOptions) -> bool {
+        self.run.is_met() && self.ratios.largest() <= options.peak_ratio
+    }
+
+    /// Nearer to the keys, or of two that are near enough the calmer one.
+    fn is_better_than(&self, other: &Self) -> bool {
+        if self.run.is_met() && other.run.is_met() {
+            self.ratios.largest() < other.ratios.largest()
+        } else {
+            self.run.miss < other.run.miss
+        }
     }
 }
 
@@ -217,12 +201,12 @@ fn outcome(
     ground: &Ground,
     drag: &Drag,
     keys: &[LayerKey],
-    aims: Vec<(Vec3, Option<Unreachable>)>,
+    aims: Vec<Aim>,
     options: &DirectOptions,
 ) -> Result<SolvedOutcome, DirectError> {
     let strongest = best.vectors.iter().map(Vec3::norm).fold(0.0, f64::max);
-    let [acceleration_ratio, jerk_ratio] = best.problem.ratios(&best.vectors)?;
-    let outcome = |((found, key), (_, why)): ((&FoundKey, &LayerKey), (Vec3, Option<Unreachable>))| {
+    let demanded = ground.demanded(&drag.keys, options.tolerance_m);
+    let outcome = |((found, key), aim): ((&FoundKey, &LayerKey), Aim)| {
         let after = (best.run.place(ground, found) - found.target_m).norm() * 1e3;
         let residual_mm = Change { before: (found.unedited_m - found.target_m).norm() * 1e3, after };
         let is_met = after <= options.tolerance_m * 1e3;
@@ -232,8 +216,8 @@ fn outcome(
         } else {
             Unreachable::NotFound { by_mm: after }
         };
-        let unreachable = (!is_met).then(|| why.unwrap_or(found));
-        KeyOutcome { key: key.clone(), residual_mm, unreachable }
+        let unreachable = (!is_met).then(|| aim.why.unwrap_or(found));
+        KeyOutcome { key: key.clone(), aimed_m: aim.place_m, residual_mm, unreachable }
     };
     let layers = best.problem.layers(&best.vectors);
     Ok(SolvedOutcome {
@@ -244,16 +228,13 @@ fn outcome(
         last_secs: best.problem.last_secs(),
         keys: drag.keys.iter().zip(keys).zip(aims).map(outcome).collect(),
         strongest,
-        acceleration_ratio,
-        jerk_ratio,
-        peaks_demanded: ground.demands(drag, options.peak_ratio),
+        acceleration_ratio: best.ratios.acceleration,
+        jerk_ratio: best.ratios.jerk,
+        least_acceleration_ratio: demanded.acceleration,
+        least_jerk_ratio: demanded.jerk,
+        peaks_demanded: demanded.largest() > options.peak_ratio,
         n_runs: 0,
         n_layers: layers.len(),
         n_handles: layers.iter().map(|layer| layer.handles.len()).sum(),
     })
-}
-
-/// The peaks of a motion's first strand: acceleration, m/s², and jerk, m/s³.
-fn peaks(motion: &StrandMotion) -> [f64; 2] {
-    [peak_acceleration(motion, 0), peak_jerk(motion, 0)]
 }

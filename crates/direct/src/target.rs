@@ -8,17 +8,32 @@ use tousle_rod::Surface;
 /// A lock is never laid straighter than this share of its length: the last of it takes a wind without end.
 const STRAIGHTEST: f64 = 0.998;
 
-/// Where to aim for a key, and why it cannot be met if it cannot. `points_m`: the strand's points, for its lengths.
-pub(crate) fn aim(stage: &Stage<'_>, key: &FoundKey, points_m: &[Vec3]) -> (Vec3, Option<Unreachable>) {
+/// How often a place is brought within the lock's length and out of the body: what the one does the other may undo.
+const ROUNDS: usize = 8;
+
+/// Where a key is aimed at.
+#[derive(Clone, Debug)]
+pub(crate) struct Aim {
+    /// The target, or the nearest place to it that the lock can be at, head space, m.
+    pub(crate) place_m: Vec3,
+    /// Why the target itself cannot be met, if it cannot.
+    pub(crate) why: Option<Unreachable>,
+}
+
+/// Where to aim for a key. `points_m`: the strand's points, for its lengths.
+pub(crate) fn aim(stage: &Stage<'_>, key: &FoundKey, points_m: &[Vec3]) -> Aim {
     let why = out_of_reach(stage.scene, points_m, key.control_point, key.target_m, key.secs);
-    let root = points_m[0];
     let length_m: f64 = points_m[..=key.control_point].windows(2).map(|p| (p[1] - p[0]).norm()).sum();
-    let mut aimed = drag(points_m, key.control_point, key.target_m).aimed_m - root;
-    if aimed.norm() > STRAIGHTEST * length_m {
-        aimed *= STRAIGHTEST * length_m / aimed.norm();
-    }
     let radius_m = 0.5 * stage.groom.strands[key.strand_idx].lock_width_m;
-    (out_of_body(stage, root + aimed, key.secs, radius_m), why)
+    let mut place_m = drag(points_m, key.control_point, key.target_m).aimed_m;
+    for _ in 0..ROUNDS {
+        let from_root = place_m - points_m[0];
+        if from_root.norm() > STRAIGHTEST * length_m {
+            place_m = points_m[0] + from_root.normalize() * (STRAIGHTEST * length_m);
+        }
+        place_m = out_of_body(stage, place_m, key.secs, radius_m);
+    }
+    Aim { place_m, why }
 }
 
 /// The nearest place whose distance from the body is at least a lock's radius, if the point is inside.

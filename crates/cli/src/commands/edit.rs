@@ -87,6 +87,9 @@ fn summary(report: &Report) -> String {
                 key.residual_mm.after
             );
         }
+        for aimed in made.into_iter().flat_map(aimed_elsewhere) {
+            let _ = writeln!(text, "  aimed at the nearest place the lock can be at, {aimed}");
+        }
         for strand in &effect.strands {
             let (acceleration, jerk, energy) =
                 (strand.peak_acceleration, strand.peak_jerk, strand.peak_energy);
@@ -117,15 +120,29 @@ fn summary(report: &Report) -> String {
     text
 }
 
+/// The places that were aimed at instead of targets out of reach, in words.
+fn aimed_elsewhere(made: &Made) -> Vec<String> {
+    let Made::Physical(outcome) = made else { return Vec::new() };
+    let elsewhere = outcome.keys.iter().filter(|key| key.aimed_m != key.key.target_m);
+    elsewhere
+        .map(|key| format!("[{:.4}, {:.4}, {:.4}] m", key.aimed_m.x, key.aimed_m.y, key.aimed_m.z))
+        .collect()
+}
+
 fn how(made: &Made) -> String {
     match made {
         Made::Physical(outcome) => format!(
-            "solved: {} layers with {} handles, the strongest adds {:.1}; {} strands simulated for it{}",
+            "solved: {} layers with {} handles, the strongest adds {:.1}; {} strands simulated for it; peaks of \
+             acceleration {:.2} times the unedited, of jerk {:.2}; the keys demand at least {:.2} and {:.2}{}",
             outcome.n_layers,
             outcome.n_handles,
             outcome.strongest,
             outcome.n_runs,
-            if outcome.peaks_demanded { "; the keys ask for more than the usual acceleration" } else { "" }
+            outcome.acceleration_ratio,
+            outcome.jerk_ratio,
+            outcome.least_acceleration_ratio,
+            outcome.least_jerk_ratio,
+            if outcome.peaks_demanded { ", more than strands may do unasked" } else { "" }
         ),
         Made::Paper(outcome) => {
             format!("by E4: asked to move {:.1} mm, {} handles", outcome.asked_mm, outcome.n_handles)

@@ -1,8 +1,10 @@
 //! The strands of a drag as they are without it.
 
-use super::{Drag, peaks};
-use crate::basis::{Dragged, Times};
+use super::Drag;
+use super::peaks::{Peaks, least_peaks};
+use crate::basis::{Dragged, Times, steered};
 use crate::guess::Guess;
+use crate::target::Aim;
 use crate::{DirectError, Stage};
 use tousle_core::{StrandMotion, Vec3};
 use tousle_edit::{FoundKey, StrandPath};
@@ -24,8 +26,8 @@ pub(super) struct Held1 {
     pub(super) held: Held,
     /// From the start to the end.
     pub(super) unedited: StrandMotion,
-    /// Its largest acceleration, m/s², and jerk, m/s³.
-    peaks: [f64; 2],
+    /// Its own peaks.
+    pub(super) peaks: Peaks,
 }
 
 impl Ground {
@@ -33,7 +35,7 @@ impl Ground {
         let strand = |strand_idx: usize| {
             let unedited = stage.simulator.simulate_some(layers, &[strand_idx])?;
             let held = stage.simulator.hold(layers, &[strand_idx], drag.first_secs)?;
-            Ok::<_, DirectError>(Held1 { strand_idx, held, peaks: peaks(&unedited), unedited })
+            Ok::<_, DirectError>(Held1 { strand_idx, held, peaks: Peaks::of(&unedited), unedited })
         };
         let strands = strand_idxs(drag).into_iter().map(strand).collect::<Result<_, _>>()?;
         Ok(Self { layers: layers.to_vec(), first_secs: drag.first_secs, strands })
@@ -62,23 +64,29 @@ impl Ground {
         StrandPath::new(&self.strands[self.index(key)].unedited, 0).points_at(key.secs)
     }
 
-    /// The strands with the ways along which they are dragged: known ones, or guessed.
+    /// The strands with the ways along which they are dragged: known ones, or guessed. `is_finer`: to be steered by more
+    /// points.
     pub(super) fn dragged<'a>(
         &'a self,
         times: &Times,
         drag: &Drag,
-        aims: &[Vec3],
+        aims: &[Aim],
         ways: Option<&'a [StrandMotion]>,
+        is_finer: bool,
     ) -> Vec<Dragged<'a>> {
         let span = (self.first_secs, times.last_secs());
-        let aimed: Vec<FoundKey> =
-            drag.keys.iter().zip(aims).map(|(key, aim)| FoundKey { target_m: *aim, ..key.clone() }).collect();
+        let aimed: Vec<FoundKey> = drag
+            .keys
+            .iter()
+            .zip(aims)
+            .map(|(key, aim)| FoundKey { target_m: aim.place_m, ..key.clone() })
+            .collect();
         let dragged = |(k, strand): (usize, &'a Held1)| {
             let keys: Vec<&FoundKey> =
                 aimed.iter().filter(|key| key.strand_idx == strand.strand_idx).collect();
-            let mut points: Vec<usize> = keys.iter().map(|key| key.control_point).collect();
-            points.sort_unstable();
-            points.dedup();
+            let mut dragged: Vec<usize> = keys.iter().map(|key| key.control_point).collect();
+            dragged.sort_unstable();
+            dragged.dedup();
             let guess = match ways {
                 Some(ways) => Guess::known(&ways[k], span),
                 None => Guess::new(&strand.unedited, &keys, span),
@@ -87,32 +95,27 @@ impl Ground {
             for pair in StrandPath::new(&strand.unedited, 0).points_at(self.first_secs).windows(2) {
                 arcs_m.push(arcs_m[arcs_m.len() - 1] + (pair[1] - pair[0]).norm());
             }
-            Dragged { guess, points, arcs_m }
+            Dragged { guess, points: steered(&arcs_m, &dragged, is_finer), first_key: dragged[0], arcs_m }
         };
         self.strands.iter().enumerate().map(dragged).collect()
     }
 
     /// How much more violently strands move than without the drag: the largest ratio of their peaks of acceleration,
     /// and of jerk.
-    pub(super) fn ratios(&self, motions: &[StrandMotion]) -> [f64; 2] {
-        let ratios = self.strands.iter().zip(motions).map(|(strand, motion)| {
-            let whole = peaks(&strand.with(motion));
-            [0, 1].map(|k| whole[k] / strand.peaks[k].max(1e-9))
-        });
-        ratios.fold([0.0; 2], |most, own| [f64::max(most[0], own[0]), f64::max(most[1], own[1])])
+    pub(super) fn ratios(&self, motions: &[StrandMotion]) -> Peaks {
+        let ratios =
+            self.strands.iter().zip(motions).map(|(s, motion)| Peaks::of(&s.with(motion)).over(s.peaks));
+        ratios.fold(Peaks::default(), Peaks::or)
     }
 
-    /// Whether the smoothest way from the unedited motion to some key already takes the strand's peaks beyond a ratio.
-    ///
-    /// The smoothest is that of least jerk from rest to rest (Flash and Hogan 1985): a distance d in a time t takes
-    /// an acceleration of 5.77 d / t² and a jerk of 60 d / t³.
-    pub(super) fn demands(&self, drag: &Drag, ratio: f64) -> bool {
-        drag.keys.iter().any(|key| {
-            let (distance_m, secs) = ((key.target_m - key.unedited_m).norm(), key.secs - drag.first_secs);
-            let [acceleration, jerk] = self.strands[self.index(key)].peaks;
-            5.77 * distance_m / (secs * secs) > (ratio - 1.0) * acceleration
-                || 60.0 * distance_m / (secs * secs * secs) > (ratio - 1.0) * jerk
-        })
+    /// What the keys demand at the least, over the strands' own peaks: see [`least_peaks`]. `tolerance_m`: how far from a
+    /// key is near enough.
+    pub(super) fn demanded(&self, keys: &[FoundKey], tolerance_m: f64) -> Peaks {
+        let demanded = keys.iter().map(|key| {
+            let strand = &self.strands[self.index(key)];
+            least_peaks(&strand.unedited, strand.held.frame(), key, tolerance_m).over(strand.peaks)
+        });
+        demanded.fold(Peaks::default(), Peaks::or)
     }
 }
 

@@ -2,7 +2,9 @@
 
 use super::Drag;
 use super::ground::{Ground, Held1};
+use super::peaks::Peaks;
 use crate::basis::Basis;
+use crate::target::Aim;
 use crate::{DirectError, DirectOptions, Stage};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -13,24 +15,48 @@ use tousle_field::{FieldLayer, LayerKey};
 /// The squares that are made least: how far the strands are from their keys, how they are shaken, how the vectors change.
 #[derive(Clone)]
 pub(super) struct Problem<'a> {
-    stage: &'a Stage<'a>,
-    ground: &'a Ground,
-    drag: &'a Drag,
+    pub(super) stage: &'a Stage<'a>,
+    pub(super) ground: &'a Ground,
+    pub(super) drag: &'a Drag,
     keys: &'a [LayerKey],
-    aims: Vec<Vec3>,
-    basis: Basis,
+    pub(super) aims: Vec<Aim>,
+    pub(super) basis: Basis,
     chains: Vec<Vec<usize>>,
     scales: Scales,
-    limit: f64,
+    /// The longest vector.
+    pub(super) limit: f64,
+    /// How often the unedited peaks may be reached.
+    peak_ratio: f64,
+}
+
+/// What a row is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum About {
+    /// How far a point is from where it is aimed at, in tolerances.
+    Key,
+    /// A peak that is more than it may be, as a share of what it may be.
+    Peak,
+    /// How much a strand is shaken, and how the vectors change.
+    Change,
+}
+
+/// What rows count.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weights {
+    /// A tolerance's distance from a key.
+    pub(super) keys: f64,
+    /// A peak twice what it may be.
+    pub(super) peaks: f64,
 }
 
 /// What counts as one.
 #[derive(Clone, Copy, Debug)]
 struct Scales {
-    /// Distance from a key, m.
-    miss_m: f64,
-    /// Acceleration of a dragged point more than without the drag, m/s²; of the mean square over frames.
-    shake: f64,
+    /// Distance from a key that is near enough, m.
+    tolerance_m: f64,
+    /// What the smoothest way takes: the acceleration counts as one of a steered point, more than without the drag and of
+    /// the mean square over frames.
+    smooth: Peaks,
     /// Change of a vector from that of its neighbors in time.
     change: f64,
     /// Length of a vector.
@@ -44,19 +70,27 @@ struct Scales {
 pub(super) struct Run {
     /// Of each strand, from where it is held.
     pub(super) motions: Vec<StrandMotion>,
-    /// What is squared and added up.
+    /// What is weighed, squared and added up.
     pub(super) rows: DVector<f64>,
-    misses_m: Vec<Vec3>,
+    abouts: Vec<About>,
+    /// The largest distance from an aim, in tolerances.
+    pub(super) miss: f64,
 }
 
 impl Run {
-    pub(super) fn cost(&self) -> f64 {
-        self.rows.norm_squared()
+    /// What each row counts.
+    pub(super) fn weights(&self, weights: Weights) -> DVector<f64> {
+        let weight = |about: &About| match about {
+            About::Key => weights.keys,
+            About::Peak => weights.peaks,
+            About::Change => 1.0,
+        };
+        DVector::from_iterator(self.abouts.len(), self.abouts.iter().map(weight))
     }
 
-    /// The largest distance from an aim, m.
-    pub(super) fn miss_m(&self) -> f64 {
-        self.misses_m.iter().map(Vec3::norm).fold(0.0, f64::max)
+    /// Whether the strands come near enough to where they are aimed at.
+    pub(super) fn is_met(&self) -> bool {
+        self.miss <= 1.0
     }
 
     /// Where a key's point is at the key, m.
@@ -65,8 +99,16 @@ impl Run {
     }
 }
 
-/// A distance of one tolerance from a key counts as so much as the whole of what makes an answer smooth.
-const KEYS_FIRST: f64 = 30.0;
+/// Where a target is out of reach, so many tolerances from the nearest place in reach will do: the last of it takes a wind
+/// without end, or drags the lock over the body.
+const NEAR_A_TARGET_OUT_OF_REACH: f64 = 10.0;
+
+/// How many nudges make the longest vector. If it rises, the curve of what a vector does is felt less, and more what a
+/// step of the simulation leaves unsettled.
+const NUDGES: f64 = 200.0;
+
+/// Peaks begin to count at this share of what they may be: what is pushed down here comes up elsewhere.
+const CALM_FROM: f64 = 0.85;
 
 /// Strands are watched for so long after their layers have gone, s.
 const WATCHED_SECS: f64 = 0.25;
@@ -77,30 +119,22 @@ impl<'a> Problem<'a> {
         ground: &'a Ground,
         drag: &'a Drag,
         keys: &'a [LayerKey],
-        aims: Vec<Vec3>,
+        aims: Vec<Aim>,
         basis: Basis,
         options: &DirectOptions,
     ) -> Self {
-        // What a drag of this length in this time takes on the smoothest way.
-        let takes = |key: &FoundKey| {
-            let secs = key.secs - drag.first_secs;
-            6.0 * (key.target_m - key.unedited_m).norm().max(1e-3) / (secs * secs)
-        };
+        let smooth = drag.keys.iter().map(|key| Peaks::smooth(key, drag.first_secs));
+        let smooth = smooth.fold(Peaks::default(), Peaks::or);
         let scales = Scales {
-            miss_m: options.tolerance_m / KEYS_FIRST,
-            shake: drag.keys.iter().map(takes).fold(0.0, f64::max),
-            change: options.limit / 20.0,
-            length: options.limit / 5.0,
-            nudge: options.limit / 500.0,
+            tolerance_m: options.tolerance_m,
+            smooth,
+            change: options.limit / 40.0,
+            length: options.limit / 30.0,
+            nudge: options.limit / NUDGES,
         };
         let chains = basis.chains();
-        Self { stage, ground, drag, keys, aims, basis, chains, scales, limit: options.limit }
-    }
-
-    /// The same with more weight on a smooth motion than usual, by so many times.
-    pub(super) fn with_smoothness(mut self, times: f64) -> Self {
-        self.scales.shake /= times.sqrt();
-        self
+        let (limit, peak_ratio) = (options.limit, options.peak_ratio);
+        Self { stage, ground, drag, keys, aims, basis, chains, scales, limit, peak_ratio }
     }
 
     /// How many vectors are solved for.
@@ -119,11 +153,10 @@ impl<'a> Problem<'a> {
         layers
     }
 
-    /// Vectors moved by a share of a step, none of them longer than it may be.
-    pub(super) fn moved(&self, vectors: &[Vec3], step: &DVector<f64>, share: f64) -> Vec<Vec3> {
+    /// Vectors moved by a step, none of them longer than it may be.
+    pub(super) fn moved(&self, vectors: &[Vec3], step: &DVector<f64>) -> Vec<Vec3> {
         let moved = |(k, v): (usize, &Vec3)| {
-            let to = v + Vec3::from_fn(|axis, _| step[3 * k + axis]) * share;
-            to.cap_magnitude(self.limit)
+            (v + Vec3::from_fn(|axis, _| step[3 * k + axis])).cap_magnitude(self.limit)
         };
         vectors.iter().enumerate().map(moved).collect()
     }
@@ -136,18 +169,18 @@ impl<'a> Problem<'a> {
             (0..self.ground.strands.len()).map(|s| self.move_strand(s, &sets)).collect::<Result<_, _>>()?;
         let run = |(k, vectors): (usize, &Vec<Vec3>)| {
             let motions: Vec<StrandMotion> = by_strand.iter().map(|of| of[k].clone()).collect();
-            let misses_m: Vec<Vec3> = (0..self.aims.len())
-                .map(|key| self.miss(&motions[self.ground.index(&self.drag.keys[key])], key))
-                .collect();
+            let misses = (0..self.aims.len())
+                .map(|key| self.miss(&motions[self.ground.index(&self.drag.keys[key])], key).norm());
+            let miss = misses.fold(0.0, f64::max);
             let strands = motions.iter().enumerate().flat_map(|(s, motion)| self.rows_of_strand(s, motion));
-            let rows: Vec<f64> = strands.chain(self.rows_of_vectors(vectors)).collect();
-            Run { rows: DVector::from_vec(rows), misses_m, motions }
+            let (abouts, rows): (Vec<About>, Vec<f64>) = strands.chain(self.rows_of_vectors(vectors)).unzip();
+            Run { rows: DVector::from_vec(rows), abouts, miss, motions }
         };
         Ok(tried.iter().enumerate().map(run).collect())
     }
 
     /// How much more violently the strands move under some vectors than without, to the end of their motion.
-    pub(super) fn ratios(&self, vectors: &[Vec3]) -> Result<[f64; 2], DirectError> {
+    pub(super) fn ratios(&self, vectors: &[Vec3]) -> Result<Peaks, DirectError> {
         let layers = [self.ground.layers(), &self.layers(vectors)].concat();
         let to_the_end = |s: &Held1| self.stage.simulator.go_on(&s.held, &layers, f64::INFINITY);
         let motions = self.ground.strands.iter().map(to_the_end).collect::<Result<Vec<_>, _>>()?;
@@ -172,7 +205,9 @@ impl<'a> Problem<'a> {
             let some: Vec<&[FieldLayer]> = felt.iter().map(|k| sets[*k].as_slice()).collect();
             let before = self.rows_of_strand(s, motion);
             for (k, moved) in felt.iter().zip(self.move_strand(s, &some)?) {
-                for (row, (after, before)) in self.rows_of_strand(s, &moved).iter().zip(&before).enumerate() {
+                for (row, ((_, after), (_, before))) in
+                    self.rows_of_strand(s, &moved).iter().zip(&before).enumerate()
+                {
                     jacobian[(first + row, *k)] = (after - before) / nudge;
                 }
             }
@@ -180,7 +215,9 @@ impl<'a> Problem<'a> {
         }
         let before = self.rows_of_vectors(vectors);
         for (k, vectors) in all.iter().enumerate() {
-            for (row, (after, before)) in self.rows_of_vectors(vectors).iter().zip(&before).enumerate() {
+            for (row, ((_, after), (_, before))) in
+                self.rows_of_vectors(vectors).iter().zip(&before).enumerate()
+            {
                 jacobian[(first + row, k)] = (after - before) / nudge;
             }
         }
@@ -203,45 +240,62 @@ impl<'a> Problem<'a> {
         Ok(self.stage.simulator.variants(held, self.ground.layers(), sets, until)?)
     }
 
-    /// From an aim to where the point is, m.
+    /// From an aim to where the point is, in tolerances.
     fn miss(&self, motion: &StrandMotion, key: usize) -> Vec3 {
-        let found = &self.drag.keys[key];
-        StrandPath::new(motion, 0).points_at(found.secs)[found.control_point] - self.aims[key]
+        let (found, aim) = (&self.drag.keys[key], &self.aims[key]);
+        let off_m = StrandPath::new(motion, 0).points_at(found.secs)[found.control_point] - aim.place_m;
+        let near_enough = if aim.why.is_some() { NEAR_A_TARGET_OUT_OF_REACH } else { 1.0 };
+        off_m / (near_enough * self.scales.tolerance_m)
     }
 
-    /// What a strand adds to the rows: its distance from its keys, and how much it is shaken.
-    fn rows_of_strand(&self, strand: usize, motion: &StrandMotion) -> Vec<f64> {
+    /// What a strand adds to the rows: its distance from its keys, how much it is shaken, and where it is too violently.
+    fn rows_of_strand(&self, strand: usize, motion: &StrandMotion) -> Vec<(About, f64)> {
         let of = &self.ground.strands[strand];
         let keys = (0..self.aims.len()).filter(|k| self.drag.keys[*k].strand_idx == of.strand_idx);
         let mut rows = Vec::new();
-        let mut points: Vec<usize> = Vec::new();
         for key in keys {
-            rows.extend((self.miss(motion, key) / self.scales.miss_m).iter());
-            points.push(self.drag.keys[key].control_point);
+            rows.extend(self.miss(motion, key).iter().map(|off| (About::Key, *off)));
         }
-        points.sort_unstable();
-        points.dedup();
         let (n_frames, first) = (motion.times_secs.len(), of.held.frame());
         if n_frames < 3 {
             return rows;
         }
         let dt_secs = motion.times_secs[1] - motion.times_secs[0];
-        let mean = 1.0 / ((n_frames * points.len()) as f64).sqrt();
-        let per = mean / (dt_secs * dt_secs * self.scales.shake);
+        let place = |point: usize, frame: usize| {
+            let at =
+                if frame < first { &of.unedited.strand(frame, 0) } else { &motion.strand(frame - first, 0) };
+            Vec3::from(at[point].map(f64::from))
+        };
+        let points = self.basis.points(strand);
+        let per = 1.0
+            / (dt_secs
+                * dt_secs
+                * self.scales.smooth.acceleration
+                * ((n_frames * points.len()) as f64).sqrt());
         for point in points {
             let added = |frame: usize| {
-                let [with, without] =
-                    [motion.strand(frame, 0)[point], of.unedited.strand(first + frame, 0)[point]];
-                Vec3::from_fn(|axis, _| f64::from(with[axis]) - f64::from(without[axis]))
+                let without = of.unedited.strand(first + frame, 0)[*point].map(f64::from);
+                place(*point, first + frame) - Vec3::from(without)
             };
             let added: Vec<Vec3> = (0..n_frames).map(added).collect();
-            rows.extend(added.windows(3).flat_map(|a| <[f64; 3]>::from((a[0] - a[1] * 2.0 + a[2]) * per)));
+            let bends = added.windows(3).map(|a| (a[0] - a[1] * 2.0 + a[2]) * per);
+            rows.extend(bends.flat_map(changes));
+        }
+        // What a smooth way to the keys takes is never too much: a strand that hangs still may be moved.
+        let most = of.peaks.times(self.peak_ratio * CALM_FROM).or(self.scales.smooth);
+        let beyond = |vector: Vec3, most: f64| (About::Peak, (vector.norm() / most - 1.0).max(0.0));
+        let (acceleration, jerk) = (most.acceleration * dt_secs.powi(2), most.jerk * dt_secs.powi(3));
+        for point in 1..motion.counts[0] {
+            let way: Vec<Vec3> =
+                (first.saturating_sub(3)..first + n_frames).map(|frame| place(point, frame)).collect();
+            rows.extend(way.windows(3).map(|x| beyond(x[0] - x[1] * 2.0 + x[2], acceleration)));
+            rows.extend(way.windows(4).map(|x| beyond(x[3] - x[0] + (x[1] - x[2]) * 3.0, jerk)));
         }
         rows
     }
 
     /// What the vectors add to the rows: how long they are, and how they change in time.
-    fn rows_of_vectors(&self, vectors: &[Vec3]) -> Vec<f64> {
+    fn rows_of_vectors(&self, vectors: &[Vec3]) -> Vec<(About, f64)> {
         let mean = 1.0 / (self.n() as f64).sqrt();
         let mut rows = Vec::new();
         for chain in &self.chains {
@@ -252,10 +306,15 @@ impl<'a> Problem<'a> {
             };
             for k in 1..=chain.len() {
                 let bend = at(k - 1) - at(k) * 2.0 + at(k + 1);
-                rows.extend((bend * (mean / self.scales.change)).iter());
-                rows.extend((at(k) * (mean / self.scales.length)).iter());
+                rows.extend(changes(bend * (mean / self.scales.change)));
+                rows.extend(changes(at(k) * (mean / self.scales.length)));
             }
         }
         rows
     }
+}
+
+/// A vector's components as rows.
+fn changes(vector: Vec3) -> [(About, f64); 3] {
+    <[f64; 3]>::from(vector).map(|component| (About::Change, component))
 }
