@@ -5,9 +5,9 @@ use tousle_core::Vec3;
 
 /// Rows that shall become least, in the linear picture.
 pub(crate) struct Normal {
-    /// JᵀJ.
+    /// `JᵀJ`.
     matrix: DMatrix<f64>,
-    /// Jᵀ rows.
+    /// `Jᵀ rows`.
     gradient: DVector<f64>,
 }
 

@@ -24,7 +24,8 @@ impl Problem<'_> {
                     .iter()
                     .zip(&self.aims)
                     .filter(|(key, _)| key.strand_idx == held.strand_idx);
-                let next = own.clone().find(|(key, _)| key.secs >= time_secs).or_else(|| own.last());
+                let next =
+                    own.clone().find(|(key, _)| key.secs >= time_secs).or_else(|| own.clone().next_back());
                 if let Some((key, aim)) = next {
                     pushes[vector] = push(stage, held, key, aim.place_m, self.drag.first_secs) * share;
                 }
