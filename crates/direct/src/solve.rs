@@ -128,16 +128,14 @@ enum Attempt {
 /// What is tried after the first attempt, one after another.
 const ATTEMPTS: [Attempt; 3] = [Attempt::Known, Attempt::Known, Attempt::Finer];
 
-/// How many of these while a hand moves, where the next answer is worth more than a better one, and of several keys, each
-/// of which takes many times as long.
-const FEW_ATTEMPTS: usize = 1;
+/// How many of these while a hand moves, where the next answer is worth more than a better one.
+const ATTEMPTS_OF_A_HAND: usize = 1;
 
 impl<'a> Solver<'a> {
     /// Attempts until one meets its keys and moves no more violently than it may; the best of them.
     fn best(&mut self, aims: &[Aim], start: Option<&[Vec3]>) -> Result<Answer<'a>, DirectError> {
         let mut best = self.attempt(aims, Attempt::Guessed, None, start)?;
-        let few = start.is_some() || self.keys.len() > 1;
-        let n_attempts = if few { FEW_ATTEMPTS } else { ATTEMPTS.len() };
+        let n_attempts = if start.is_some() { ATTEMPTS_OF_A_HAND } else { ATTEMPTS.len() };
         for kind in ATTEMPTS.into_iter().take(n_attempts) {
             if best.is_good(self.options) {
                 break;
