@@ -62,6 +62,33 @@ impl WindChange {
     }
 }
 
+impl WindEdit {
+    /// The change that a layer was made from, to be made again with something changed; `None` of a layer that was made
+    /// from something else, or by a method that this crate does not know.
+    pub fn of_layer(layer: &FieldLayer) -> Option<Self> {
+        let (LayerOrigin::Wind { action }, [handle]) = (&layer.origin, &layer.handles[..]) else {
+            return None;
+        };
+        let change = match (action.as_str(), layer.reshape) {
+            ("gust", None) => WindChange::Gust { vector: handle.extra },
+            ("calm", Some(_)) => WindChange::Calm,
+            ("strength", Some(reshape)) => WindChange::Strength { factor: reshape.scale },
+            ("turn", Some(reshape)) => WindChange::Turn { turn: reshape.turn },
+            _ => return None,
+        };
+        Some(Self {
+            name: layer.name.clone(),
+            first: KeyTime::Secs(layer.first_secs),
+            last: KeyTime::Secs(layer.last_secs),
+            ease: layer.ease,
+            muted: layer.muted,
+            center_m: handle.center_m,
+            reach_m: handle.reach_m,
+            change,
+        })
+    }
+}
+
 /// The layer of a list's change of the wind with this number (from 1).
 ///
 /// # Errors
@@ -96,4 +123,37 @@ pub fn wind_layer(list: &EditList, number: usize, id: String) -> Result<FieldLay
         reshape,
         origin: LayerOrigin::Wind { action: edit.change.name().to_owned() },
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::DEFAULT_EASE;
+
+    #[test]
+    fn a_layer_says_what_it_was_made_from() {
+        let changes = [
+            WindChange::Gust { vector: Vec3::new(1.0, -2.0, 0.5) },
+            WindChange::Calm,
+            WindChange::Strength { factor: 1.5 },
+            WindChange::Turn { turn: Vec3::new(0.0, 0.0, 0.6) },
+        ];
+        for change in changes {
+            let edit = WindEdit {
+                name: "by the door".into(),
+                first: KeyTime::Secs(0.5),
+                last: KeyTime::Secs(1.5),
+                ease: DEFAULT_EASE,
+                muted: true,
+                center_m: Vec3::new(0.2, 0.0, -0.1),
+                reach_m: 0.15,
+                change,
+            };
+            let list = EditList { winds: vec![edit.clone()], ..EditList::new() };
+            let layer = wind_layer(&list, 1, "door".into()).unwrap();
+            assert_eq!(WindEdit::of_layer(&layer), Some(edit));
+            let origin = LayerOrigin::Mirrored { edit: "door".into(), of: "window".into() };
+            assert_eq!(WindEdit::of_layer(&FieldLayer { origin, ..layer }), None);
+        }
+    }
 }

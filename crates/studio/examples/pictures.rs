@@ -39,6 +39,12 @@ fn main() -> anyhow::Result<()> {
     window.drag(tip, vec2(46.0, -52.0));
     save(&mut window, "studio-pull.png")?;
 
+    window.press(Modifiers::COMMAND, Key::Z);
+    window.press(Modifiers::NONE, Key::G);
+    window.studio_mut().player.go(2.5);
+    save(&mut window, "studio-gust.png")?;
+    window.press(Modifiers::COMMAND, Key::Z);
+
     window.press(Modifiers::NONE, Key::Escape);
     window.press(Modifiers::NONE, Key::S);
     window.studio_mut().camera.yaw = 0.9;

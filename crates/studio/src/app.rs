@@ -19,7 +19,7 @@ use eframe::egui::{self, Context, Ui};
 use eframe::egui_wgpu::RenderState;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use tousle_core::StrandMotion;
+use tousle_core::{Pose, StrandMotion};
 use tousle_direct::Made;
 use tousle_field::FieldLayer;
 
@@ -209,6 +209,16 @@ impl Studio {
 
     pub(crate) fn complain(&mut self, text: impl Into<String>) {
         self.notice = Some(Notice { text: text.into(), is_error: true });
+    }
+
+    /// Where the head is shown: with the camera, or turned in the room.
+    pub(crate) fn shown_from_head(&self) -> Pose {
+        let scene = &self.document.scene;
+        if self.look.follow_head {
+            Pose::identity()
+        } else {
+            scene.rest_pose.inverse() * scene.poses.motion_at(self.player.time_secs).world_from_head
+        }
     }
 
     /// All roots and tips at rest, to be framed.

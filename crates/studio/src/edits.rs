@@ -1,9 +1,9 @@
 //! The stack as a person sees it: edits, each made of one layer or several. Only here is it asked what layers are of.
 
 use crate::instant;
-use crate::solve::Wanted;
+use crate::solve::{Asked, Wanted};
 use tousle_core::{Groom, StrandMotion, Vec3};
-use tousle_edit::{Action, ControlPoint, DEFAULT_REACH_M, Drag, Edit, Key, KeyTime, Target};
+use tousle_edit::{Action, ControlPoint, DEFAULT_REACH_M, Drag, Edit, Key, KeyTime, Target, WindEdit};
 use tousle_field::{Ease, FieldLayer, LayerOrigin};
 
 /// One edit of a stack.
@@ -23,6 +23,8 @@ pub struct StackedEdit {
     pub ease: Ease,
     /// How far from its handles it has faded to nothing, m.
     pub reach_m: f64,
+    /// How it changes the wind at some place; `None` for a pull.
+    pub wind: Option<WindEdit>,
     /// What it pulls; `None` for an edit of the wind itself.
     pub pull: Option<Pull>,
     /// What else it pulls: `tousle edit` can ask for several points at once.
@@ -89,6 +91,7 @@ pub fn edit(stack: &[FieldLayer], id: &str) -> Option<StackedEdit> {
         presence: presence(&layers, span_secs),
         ease: first.ease,
         reach_m: first.handles.first().map_or(DEFAULT_REACH_M, |handle| handle.reach_m),
+        wind: WindEdit::of_layer(first),
         pull: pulls.next(),
         also: pulls.collect(),
         method,
@@ -133,8 +136,16 @@ impl Pull {
 }
 
 impl StackedEdit {
-    /// What it was made from, to be made again with something changed; `None` for an edit of the wind itself.
+    /// What it was made from, to be made again with something changed; `None` where nobody can tell, as of mirrored ones.
     pub fn wanted_again(&self) -> Option<Wanted> {
+        let asked = match &self.wind {
+            Some(wind) => Asked::Wind(wind.clone()),
+            None => Asked::Pull(self.pulled_again()?),
+        };
+        Some(Wanted { asked, replaces: Some(self.id.clone()) })
+    }
+
+    fn pulled_again(&self) -> Option<Edit> {
         let Pull { strand, point, secs, target_m } = self.pull.clone()?;
         let drag = Drag {
             strand,
@@ -143,15 +154,14 @@ impl StackedEdit {
             reach_m: self.reach_m,
             also: self.also.iter().map(Pull::key).collect(),
         };
-        let edit = Edit {
+        Some(Edit {
             name: self.name.clone(),
             first: KeyTime::Secs(self.span_secs[0]),
             second: KeyTime::Secs(secs),
             ease: self.ease,
             muted: self.muted,
             action: Action::Drag(drag),
-        };
-        Some(Wanted { edit, replaces: Some(self.id.clone()) })
+        })
     }
 
     /// The index of the strand that it pulls, if this groom has it.
@@ -204,6 +214,6 @@ mod tests {
         // From (0.1, 0, -0.1) to (0.13, 0, -0.09).
         assert!((edit.residual_mm(&motion, &groom).unwrap() - 1000f64.sqrt()).abs() < 1e-3);
         let again = edit.wanted_again().unwrap();
-        assert_eq!((again.edit.second, again.replaces.as_deref()), (KeyTime::Secs(0.8), Some("lift")));
+        assert_eq!((again.asked.span_secs(), again.replaces.as_deref()), ([0.2, 0.8], Some("lift")));
     }
 }

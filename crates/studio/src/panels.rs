@@ -2,6 +2,7 @@
 
 mod dialogs;
 mod edits;
+mod gust;
 mod legend;
 mod look;
 mod menu;

@@ -1,5 +1,6 @@
 //! What can be done, and the keys that do it, as in other tools for animators. Menus and the help read the same table.
 
+use crate::gust::Kind;
 use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers};
 
 /// Something that can be done from anywhere in the window.
@@ -27,6 +28,8 @@ pub enum Command {
     Side,
     /// Looks from behind.
     Back,
+    /// Changes the wind at some place.
+    Add(Kind),
     /// Draws hair as lines or as ribbons.
     HairLook,
     /// Shows or hides arrows.
@@ -80,7 +83,7 @@ const fn ctrl_shift(command: Command, key: Key, text: &'static str) -> Shortcut 
 }
 
 /// All shortcuts, in the order of the help.
-pub const SHORTCUTS: [Shortcut; 24] = [
+pub const SHORTCUTS: [Shortcut; 28] = [
     plain(Command::PlayOrStop, Key::Space, "play or stop"),
     plain(Command::NextFrame, Key::ArrowRight, "next frame"),
     plain(Command::PreviousFrame, Key::ArrowLeft, "frame before"),
@@ -92,6 +95,10 @@ pub const SHORTCUTS: [Shortcut; 24] = [
     plain(Command::Front, Key::Num1, "look from the front"),
     plain(Command::Side, Key::Num3, "look from the subject's left"),
     plain(Command::Back, Key::Num7, "look from behind"),
+    plain(Command::Add(Kind::Gust), Key::G, "add a gust"),
+    plain(Command::Add(Kind::Calm), Key::C, "add a calm"),
+    plain(Command::Add(Kind::Strength), Key::B, "add a place where the wind is stronger"),
+    plain(Command::Add(Kind::Turn), Key::T, "add a place where the wind is turned"),
     plain(Command::HairLook, Key::H, "hair as lines or as ribbons"),
     plain(Command::Arrows, Key::W, "show or hide the wind's arrows"),
     plain(Command::Slice, Key::S, "show or hide the slice"),
@@ -108,10 +115,11 @@ pub const SHORTCUTS: [Shortcut; 24] = [
 ];
 
 /// What the mouse does in the picture, for the help.
-pub const MOUSE: [(&str, &str); 7] = [
+pub const MOUSE: [(&str, &str); 8] = [
     ("click", "choose the strand under the pointer"),
     ("drag a control point", "pull it where it should be at this time"),
     ("drag a target", "move it"),
+    ("drag a gust's place or the end of its arrow", "move it, or aim it"),
     ("drag beside the hair, Alt+drag, or middle button", "orbit"),
     ("Shift+middle button, or Alt+middle button", "pan"),
     ("wheel, or Alt+right button", "zoom"),

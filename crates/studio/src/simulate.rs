@@ -3,7 +3,7 @@
 use crate::edits::{put, without};
 use crate::solve::{Solved, Wanted, solve};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use tousle_core::{Groom, Progress, StrandMotion};
@@ -100,7 +100,18 @@ impl Simulator {
 
     /// The newest answer since the last call.
     pub fn poll(&mut self) -> Option<Answer> {
-        let newest = self.answers.try_iter().last();
+        let mut newest = None;
+        let ended = loop {
+            match self.answers.try_recv() {
+                Ok(answer) => newest = Some(answer),
+                Err(ended) => break ended,
+            }
+        };
+        // The thread ends before this does only if it panicked.
+        if newest.is_none() && ended == TryRecvError::Disconnected && self.is_busy() {
+            let result = Err(BROKE_DOWN.to_owned());
+            newest = Some(Answer { number: self.n_asked, took: Duration::ZERO, result });
+        }
         self.n_answered = newest.as_ref().map_or(self.n_answered, |answer| answer.number);
         newest
     }
@@ -144,6 +155,10 @@ struct Stage<'a> {
     kept: Vec<(Vec<FieldLayer>, Arc<StrandMotion>)>,
     shared: &'a Shared,
 }
+
+/// What is said of a thread that panicked; what it printed says where.
+const BROKE_DOWN: &str =
+    "the simulation broke down, by a fault of this program: save your edits and open the studio again";
 
 /// How many motions are kept: with an edit and without it, before and after.
 const N_KEPT: usize = 4;
@@ -229,9 +244,12 @@ fn in_words(error: impl std::error::Error + Send + Sync + 'static) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solve::Asked;
     use crate::testing;
     use tousle_core::Vec3;
-    use tousle_edit::{Action, ControlPoint, DEFAULT_EASE, Drag, Edit, KeyTime, Target};
+    use tousle_edit::{
+        Action, ControlPoint, DEFAULT_EASE, Drag, Edit, KeyTime, Target, WindChange, WindEdit,
+    };
 
     fn simulator() -> Simulator {
         let (scene, groom) = (Arc::new(testing::scene()), Arc::new(testing::groom()));
@@ -265,7 +283,7 @@ mod tests {
             muted: false,
             action: Action::Drag(drag),
         };
-        Wanted { edit, replaces: None }
+        Wanted { asked: Asked::Pull(edit), replaces: None }
     }
 
     #[test]
@@ -308,10 +326,44 @@ mod tests {
     }
 
     #[test]
+    fn a_gust_becomes_a_layer_and_blows() {
+        let mut simulator = simulator();
+        let gust = WindEdit {
+            name: "gust".into(),
+            first: KeyTime::Secs(0.2),
+            last: KeyTime::Secs(0.9),
+            ease: DEFAULT_EASE,
+            muted: false,
+            center_m: Vec3::new(0.1, 0.0, -0.08),
+            reach_m: 0.2,
+            change: WindChange::Gust { vector: 3.0 * Vec3::x() },
+        };
+        let wanted = Wanted { asked: Asked::Wind(gust), replaces: None };
+        let number = simulator.ask(Request { wanted: Some(wanted), ..Request::default() });
+        let simulated = answer(&mut simulator, number).result.unwrap();
+        assert!(simulated.solved.unwrap().outcome.is_none() && simulated.stack.len() == 1);
+        let tip = |motion: &StrandMotion| motion.strand(42, 0)[4][0];
+        assert!(tip(&simulated.motion) > tip(&simulated.without.unwrap()) + 0.005);
+    }
+
+    /// A thread that panicked answers no more; whoever waits for it is told.
+    #[test]
+    fn a_simulator_that_broke_down_says_so() {
+        let mut simulator = simulator();
+        let (_, gone) = channel();
+        simulator.answers = gone;
+        let number = simulator.ask(Request::default());
+        let error = answer(&mut simulator, number).result.unwrap_err();
+        assert!(error.starts_with("the simulation broke down") && !simulator.is_busy(), "{error}");
+    }
+
+    #[test]
     fn what_cannot_be_done_is_said() {
         let mut simulator = simulator();
         let mut wanted = lift();
-        let Action::Drag(drag) = &mut wanted.edit.action else { panic!("no drag") };
+        let Asked::Pull(Edit { action: Action::Drag(drag), .. }) = &mut wanted.asked else {
+            panic!("no drag")
+        };
         drag.strand = "Z".into();
         let number = simulator.ask(Request { wanted: Some(wanted), ..Request::default() });
         let error = answer(&mut simulator, number).result.unwrap_err();

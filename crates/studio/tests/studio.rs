@@ -8,6 +8,7 @@ use common::{Window, layers_in, world};
 use eframe::egui::{Key, Modifiers, vec2};
 use egui_kittest::{SnapshotOptions, try_image_snapshot_options};
 use std::sync::Arc;
+use tousle_edit::WindChange;
 use tousle_studio::edits::{StackedEdit, edits};
 use tousle_studio::files::autosave_path;
 
@@ -43,6 +44,7 @@ fn everything_has_a_name() {
     for name in [
         "File",
         "Edit",
+        "Add",
         "View",
         "Help",
         "Picture of the hair",
@@ -151,6 +153,60 @@ fn the_stack_is_muted_renamed_and_deleted() {
         window.press(Modifiers::COMMAND, Key::Z);
     }
     assert_eq!(window.studio().document.stack()[0].name, "Pull L03");
+}
+
+#[test]
+fn a_gust_is_made_moved_aimed_and_timed() {
+    let world = world();
+    let mut window = Window::open(&world.files, SIZE);
+    with_a_lock_chosen(&mut window);
+    let before = window.studio().motion().unwrap().clone();
+    window.press(Modifiers::NONE, Key::G);
+    let gust = |window: &Window| only_edit(window).wind.unwrap();
+    let vector = |window: &Window| match gust(window).change {
+        WindChange::Gust { vector } => vector,
+        change => panic!("{change:?}"),
+    };
+    let made = gust(&window);
+    // It blows to the right of the picture, which is the subject's left, through the chosen lock, from now on.
+    assert!(vector(&window).y > 1.9 && only_edit(&window).span_secs == [1.0, 1.5]);
+    let after = window.studio().motion().unwrap().clone();
+    let tip = |motion: &tousle_core::StrandMotion, frame: usize| f64::from(motion.strand(frame, 3)[8][1]);
+    assert_eq!(after.frame(60), before.frame(60));
+    assert!(tip(&after, 75) > tip(&before, 75) + 0.02);
+
+    let place = window.place("Place of Gust");
+    window.drag(place, vec2(0.0, -30.0));
+    assert!(gust(&window).center_m.z > made.center_m.z + 0.01);
+    let arrow = window.place("Arrow of Gust");
+    window.drag(arrow, vec2(0.0, -30.0));
+    assert!(vector(&window).z > 0.2 && (vector(&window).y - 2.0).abs() < 0.05, "{}", vector(&window));
+    let key = window.place("Last key of Gust");
+    window.drag(key, vec2(-60.0, 0.0));
+    assert!(only_edit(&window).span_secs[1] < 1.45);
+    assert_eq!(window.studio().document.undo_label(), Some("move a key of Gust"));
+    for _ in 0..4 {
+        window.press(Modifiers::COMMAND, Key::Z);
+    }
+    assert!(window.studio().document.stack().is_empty());
+    assert_eq!(window.studio().motion().unwrap().positions_m, before.positions_m);
+}
+
+#[test]
+fn the_wind_dies_grows_and_turns_where_it_is_told_to() {
+    let world = world();
+    let mut window = Window::open(&world.files, SIZE);
+    let cases = [(Key::C, "calm", "Calm"), (Key::B, "strength", "Stronger"), (Key::T, "turn", "Turn")];
+    for (key, method, name) in cases {
+        window.press(Modifiers::NONE, key);
+        let edit = only_edit(&window);
+        assert_eq!((edit.method.as_str(), edit.name.as_str()), (method, name));
+        assert!(window.has(&format!("Place of {name}")) && window.has("Last key") && window.has("Reach"));
+        assert_eq!(window.has("Strength"), key == Key::B);
+        assert_eq!(window.has("About up"), key == Key::T);
+        window.press(Modifiers::NONE, Key::Delete);
+        assert!(window.studio().document.stack().is_empty());
+    }
 }
 
 #[test]

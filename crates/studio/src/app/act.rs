@@ -1,16 +1,21 @@
 //! What the commands do.
 
 use super::Studio;
-use crate::camera::Camera;
+use crate::camera::{Camera, Pixel};
 use crate::files::{self, Files};
+use crate::gust::{Kind, Spot, usual_span};
 use crate::instant;
 use crate::panels::{Dialog, PathDialog};
 use crate::shortcuts::Command;
+use crate::solve::{Asked, Wanted};
 use crate::view::wind::Arrows;
 use eframe::egui::{Context, ViewportCommand};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 use tousle_core::Vec3;
+
+/// How far before what the camera looks at a new change of the wind is put, m: outside the head.
+const BEFORE_HAIR_M: f64 = 0.16;
 
 impl Studio {
     /// Does what a key or a menu asks for.
@@ -27,6 +32,7 @@ impl Studio {
             Command::Front => self.look_from(0.0),
             Command::Side => self.look_from(FRAC_PI_2),
             Command::Back => self.look_from(PI),
+            Command::Add(kind) => self.add(kind),
             Command::HairLook => self.look.hair = next(&crate::view::HairLook::ALL, self.look.hair),
             Command::Arrows => {
                 let off = self.look.wind.arrows == Arrows::Off;
@@ -51,6 +57,29 @@ impl Studio {
         let time_secs = self.player.snapped(self.player.time_secs);
         self.first_key_secs = Some(time_secs);
         self.say(format!("first key at {time_secs:.2} s: now go to a later time and drag a control point"));
+    }
+
+    /// Puts a change of the wind where the chosen strand is, or before the hair where the camera looks.
+    fn add(&mut self, kind: Kind) {
+        let eye = self.camera.eye(&self.shown_from_head(), Pixel::new(1.0, 1.0));
+        let [right, _, forward] = eye.axes;
+        let strand = self.chosen_strand.map(|strand| self.points_to_frame(Some(strand)));
+        let center_m = match strand.as_deref() {
+            Some(points) if !points.is_empty() => points[points.len() / 2],
+            _ => eye.position_m + forward * f64::max(self.camera.distance_m - BEFORE_HAIR_M, 0.0),
+        };
+        let player = &mut self.player;
+        player.playing = false;
+        let now_secs = player.snapped(player.time_secs);
+        let spot = Spot {
+            center_m,
+            along: right,
+            span_secs: usual_span(now_secs, [player.start_secs(), player.end_secs()]),
+            quantity: self.document.field.quantity,
+            strong: self.scales.strength,
+        };
+        let wanted = Wanted { asked: Asked::Wind(kind.at(&spot)), replaces: None };
+        self.want(wanted, Some(kind.name().to_lowercase()));
     }
 
     /// The points of a strand as it is now, or of all.

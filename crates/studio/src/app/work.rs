@@ -78,7 +78,9 @@ impl Studio {
         self.shown.without = without;
         if let Some(solved) = solved {
             self.chosen_edit = Some(solved.id.clone());
-            self.shown.outcomes.insert(solved.id, solved.outcome);
+            if let Some(outcome) = solved.outcome {
+                self.shown.outcomes.insert(solved.id, outcome);
+            }
         }
         self.shown.stack = stack;
         if let Some(label) = commit {

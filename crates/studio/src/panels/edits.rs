@@ -13,7 +13,7 @@ pub fn show(ui: &mut Ui, studio: &mut Studio) {
     if rows.is_empty() {
         muted(
             ui,
-            "None yet. Click a strand, go to the time at which it should be elsewhere, and drag one of its points.",
+            "None yet. Click a strand, go to the time at which it should be elsewhere, and drag one of its points. Or press G for a gust.",
         );
     }
     // The one on top of the stack is first in the list.

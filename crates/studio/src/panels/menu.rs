@@ -1,6 +1,7 @@
 //! The menu.
 
 use crate::app::Studio;
+use crate::gust::Kind;
 use crate::shortcuts::{Command, key_text};
 use eframe::egui::{Button, MenuBar, Ui};
 
@@ -16,6 +17,12 @@ const EDIT: [(&str, Command); 4] = [
     ("Mute edit", Command::Mute),
     ("Delete edit", Command::Delete),
 ];
+const ADD: [(&str, Command); 4] = [
+    ("Gust", Command::Add(Kind::Gust)),
+    ("Calm", Command::Add(Kind::Calm)),
+    ("Stronger wind", Command::Add(Kind::Strength)),
+    ("Turned wind", Command::Add(Kind::Turn)),
+];
 const VIEW: [(&str, Command); 8] = [
     ("Frame chosen", Command::Frame),
     ("Frame all", Command::FrameAll),
@@ -30,8 +37,8 @@ const HELP: [(&str, Command); 1] = [("Shortcuts", Command::Help)];
 
 pub fn show(ui: &mut Ui, studio: &mut Studio) {
     MenuBar::new().ui(ui, |ui| {
-        let menus: [(&str, &[(&str, Command)]); 4] =
-            [("File", &FILE), ("Edit", &EDIT), ("View", &VIEW), ("Help", &HELP)];
+        let menus: [(&str, &[(&str, Command)]); 5] =
+            [("File", &FILE), ("Edit", &EDIT), ("Add", &ADD), ("View", &VIEW), ("Help", &HELP)];
         for (name, entries) in menus {
             ui.menu_button(name, |ui| {
                 for (text, command) in entries {
@@ -53,7 +60,7 @@ fn is_possible(studio: &Studio, command: Command) -> bool {
         Command::Undo => studio.document.undo_label().is_some(),
         Command::Redo => studio.document.redo_label().is_some(),
         Command::Mute | Command::Delete => studio.chosen_edit.is_some(),
-        Command::ExportMotion => studio.motion().is_some(),
+        Command::ExportMotion | Command::Add(_) => studio.motion().is_some(),
         Command::Save => studio.document.is_dirty(),
         _ => true,
     }

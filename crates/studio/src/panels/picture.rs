@@ -1,9 +1,9 @@
 //! The picture: navigating it, choosing strands, pulling control points.
 
-use super::{legend, overlay};
+use super::{gust, legend, overlay};
 use crate::app::Studio;
 use crate::camera::{Eye, Pixel};
-use crate::drag::{Dragging, Grip};
+use crate::drag::{Dragging, Grip, Part};
 use crate::edits::Pull;
 use crate::instant;
 use crate::pick;
@@ -14,7 +14,7 @@ use crate::view::wind::{Arrows, Wind};
 use eframe::egui::{
     Color32, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
-use tousle_core::{Pose, Vec3};
+use tousle_core::Vec3;
 
 /// Time between the keys of a drag without a first key, s.
 const USUAL_SPAN_SECS: f64 = 0.5;
@@ -34,6 +34,7 @@ pub fn show(ui: &mut Ui, studio: &mut Studio) {
         overlay::show(ui, studio, &place);
         control_points(ui, studio, &place, &points);
         target(ui, studio, &place);
+        gust::handles(ui, studio, &place);
     }
     legend::show(ui.painter(), rect, studio);
 }
@@ -51,19 +52,15 @@ impl Place {
     }
 
     /// A place in the window, on the picture.
-    fn pixel(&self, at: Pos2) -> Pixel {
+    pub fn pixel(&self, at: Pos2) -> Pixel {
         let at = at - self.rect.min;
         Pixel::new(f64::from(at.x), f64::from(at.y))
     }
 }
 
-/// The camera at work: with the head, or where the head is turned in the room.
+/// The camera at work.
 fn eye(studio: &Studio, rect: Rect) -> Eye {
-    let scene = &studio.document.scene;
-    let pose = scene.poses.motion_at(studio.player.time_secs).world_from_head;
-    let shown_from_head =
-        if studio.look.follow_head { Pose::identity() } else { scene.rest_pose.inverse() * pose };
-    studio.camera.eye(&shown_from_head, size(rect))
+    studio.camera.eye(&studio.shown_from_head(), size(rect))
 }
 
 fn size(rect: Rect) -> Pixel {
@@ -168,7 +165,8 @@ fn control_points(ui: &Ui, studio: &mut Studio, place: &Place, points: &[[f32; 3
         let Some(at) = place.at(at_m) else { continue };
         let name = format!("{} point {point}", strand.name);
         let response = handle(ui, at, &name);
-        let pulled = studio.drag.as_ref().is_some_and(|d| d.strand_idx == strand_idx && d.point == point);
+        let part = Part::Point { strand_idx, point };
+        let pulled = studio.drag.as_ref().is_some_and(|drag| drag.part == part);
         let radius = if pulled || response.hovered() { 6.0 } else { 4.0 };
         let hidden = pick::is_hidden(place.eye.position_m, at_m, &studio.document.scene.body);
         let fill = if hidden { theme::ACCENT.gamma_multiply(0.35) } else { theme::ACCENT };
@@ -176,7 +174,7 @@ fn control_points(ui: &Ui, studio: &mut Studio, place: &Place, points: &[[f32; 3
         if response.drag_started_by(PointerButton::Primary) && !ui.input(|input| input.modifiers.alt) {
             begin(studio, place, grabbed(ui, at), strand_idx, point, at_m);
         }
-        go_on(studio, place, &response, strand_idx, point);
+        go_on(studio, place, &response, part);
         response.on_hover_text(name);
     }
 }
@@ -187,23 +185,22 @@ fn target(ui: &Ui, studio: &mut Studio, place: &Place) {
     let (Some(pull), Some(strand_idx)) = (&edit.pull, edit.strand_idx(&studio.document.groom)) else {
         return;
     };
+    let part = Part::Point { strand_idx, point: pull.point };
     let target_m = studio.drag.as_ref().map_or(pull.target_m, Dragging::target_m);
     let Some(at) = place.at(target_m) else { return };
     overlay::target(ui.painter(), at);
     let name = format!("Target of {}", edit.name);
     let response = handle(ui, at, &name);
     if let Some(wanted) = edit.wanted_again().filter(|_| response.drag_started_by(PointerButton::Primary)) {
-        let keys_secs = [edit.span_secs[0], pull.secs];
-        let grip = Grip { strand_idx, strand: pull.strand.clone(), point: pull.point, keys_secs, target_m };
         studio.player.playing = false;
-        studio.drag = Some(Dragging::again(&grip, wanted, place.eye, place.pixel(grabbed(ui, at))));
+        studio.drag = Some(Dragging::new(wanted, part, target_m, place.eye, place.pixel(grabbed(ui, at))));
     }
-    go_on(studio, place, &response, strand_idx, pull.point);
+    go_on(studio, place, &response, part);
     response.on_hover_text(name);
 }
 
 /// A round widget with an accessible name.
-fn handle(ui: &Ui, at: Pos2, name: &str) -> Response {
+pub fn handle(ui: &Ui, at: Pos2, name: &str) -> Response {
     let rect = Rect::from_center_size(at, Vec2::splat(16.0));
     let response = ui.interact(rect, ui.scope_id().with(name), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
@@ -211,7 +208,7 @@ fn handle(ui: &Ui, at: Pos2, name: &str) -> Response {
 }
 
 /// Where a handle was grabbed: where the button went down, for the pointer may have moved on since.
-fn grabbed(ui: &Ui, handle: Pos2) -> Pos2 {
+pub fn grabbed(ui: &Ui, handle: Pos2) -> Pos2 {
     ui.input(|input| input.pointer.press_origin()).unwrap_or(handle)
 }
 
@@ -238,16 +235,13 @@ fn begin(studio: &mut Studio, place: &Place, grabbed: Pos2, strand_idx: usize, p
     let again = studio.shown_edit().filter(|edit| edit.pull.as_ref().is_some_and(is_same));
     let again = again.and_then(|edit| edit.wanted_again());
     let grip = Grip { strand_idx, strand, point, keys_secs: [first, second], target_m: at_m };
-    studio.drag = Some(match again {
-        Some(wanted) => Dragging::again(&grip, wanted, place.eye, at),
-        None => Dragging::new(&grip, place.eye, at),
-    });
+    let wanted = again.unwrap_or_else(|| grip.wanted());
+    studio.drag = Some(Dragging::new(wanted, grip.part(), at_m, place.eye, at));
 }
 
-/// The drag that this widget began follows the pointer; when it is let go, the edit is made.
-fn go_on(studio: &mut Studio, place: &Place, response: &Response, strand_idx: usize, point: usize) {
-    let is_its = |drag: &&mut Dragging| drag.strand_idx == strand_idx && drag.point == point;
-    let Some(drag) = studio.drag.as_mut().filter(is_its) else { return };
+/// The drag of this part follows the pointer; when it is let go, the edit is made.
+pub fn go_on(studio: &mut Studio, place: &Place, response: &Response, part: Part) {
+    let Some(drag) = studio.drag.as_mut().filter(|drag| drag.part == part) else { return };
     let is_done = response.drag_stopped();
     if !(is_done || response.dragged() && response.drag_delta() != Vec2::ZERO) {
         return;
@@ -256,7 +250,7 @@ fn go_on(studio: &mut Studio, place: &Place, response: &Response, strand_idx: us
         drag.move_to(place.pixel(at));
     }
     let wanted = drag.wanted.clone();
-    let label = is_done.then(|| wanted.edit.name.to_lowercase());
+    let label = is_done.then(|| wanted.asked.name().to_lowercase());
     studio.want(wanted, label);
     if is_done {
         studio.drag = None;

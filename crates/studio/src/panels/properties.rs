@@ -1,55 +1,44 @@
 //! The chosen edit: its name, keys, reach, ease, and what became of it.
 
+use super::gust;
 use super::sign::{Sign, sign_button};
-use super::widgets::{heading, muted, number};
+use super::widgets::{Change, heading, muted, number};
 use crate::app::Studio;
 use crate::edits::StackedEdit;
-use crate::solve::Wanted;
+use crate::solve::{Asked, Wanted};
 use crate::theme;
+use crate::view::wind::unit;
 use eframe::egui::{DragValue, Response, RichText, TextEdit, Ui};
 use std::ops::RangeInclusive;
 use tousle_direct::Made;
-use tousle_edit::{Action, KeyTime};
 
 pub fn show(ui: &mut Ui, studio: &mut Studio) {
     let Some(edit) = studio.shown_edit() else { return };
     heading(ui, "Edit");
     name(ui, studio, &edit.id, &edit.name);
-    let Some(pull) = &edit.pull else { return };
-    muted(ui, format!("strand {}, point {}, method {}", pull.strand, pull.point, edit.method));
-
+    match (&edit.pull, &edit.wind) {
+        (Some(pull), _) => {
+            muted(ui, format!("strand {}, point {}, method {}", pull.strand, pull.point, edit.method));
+        }
+        (None, Some(_)) => {
+            muted(ui, format!("the wind at a place, changed by a {}", edit.method));
+        }
+        (None, None) => return,
+    }
     let is_of_it = |wanted: &&Wanted| wanted.replaces.as_ref() == Some(&edit.id);
     let pending = studio.pending().filter(is_of_it).cloned();
     let Some(mut wanted) = pending.or_else(|| edit.wanted_again()) else { return };
-    let changed = [keys(ui, studio, &mut wanted), reach(ui, &mut wanted), ease(ui, &edit, &mut wanted)]
-        .into_iter()
-        .max()
-        .unwrap_or_default();
+    let mut changed = keys(ui, studio, &mut wanted).max(reach(ui, &mut wanted));
+    if let Asked::Wind(wind) = &mut wanted.asked {
+        changed = changed.max(gust::rows(ui, unit(studio.document.field.quantity), wind));
+    }
+    changed = changed.max(ease(ui, &edit, &mut wanted));
     match changed {
         Change::None => {}
         Change::GoesOn => studio.want(wanted, None),
         Change::Done => studio.want(wanted, Some(format!("change {}", edit.name))),
     }
     outcome(ui, studio, &edit.id);
-}
-
-/// Whether a value was changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-enum Change {
-    #[default]
-    None,
-    GoesOn,
-    Done,
-}
-
-fn change(response: &Response) -> Change {
-    if response.drag_stopped() || response.changed() && !response.dragged() {
-        Change::Done
-    } else if response.changed() {
-        Change::GoesOn
-    } else {
-        Change::None
-    }
 }
 
 fn name(ui: &mut Ui, studio: &mut Studio, id: &str, name: &str) {
@@ -74,19 +63,19 @@ fn name(ui: &mut Ui, studio: &mut Studio, id: &str, name: &str) {
 
 fn keys(ui: &mut Ui, studio: &mut Studio, wanted: &mut Wanted) -> Change {
     let frame = 1.0 / studio.player.rate_hz();
-    let (KeyTime::Secs(mut first), KeyTime::Secs(mut second)) = (wanted.edit.first, wanted.edit.second)
-    else {
-        return Change::None;
-    };
+    let [mut first, mut last] = wanted.asked.span_secs();
     // Between two keys there are three frames at least.
-    let before = studio.player.start_secs()..=second - 3.0 * frame;
+    let before = studio.player.start_secs()..=last - 3.0 * frame;
     let after = first + 3.0 * frame..=studio.player.end_secs();
+    let name_of_last = match wanted.asked {
+        Asked::Pull(_) => "Second key",
+        Asked::Wind(_) => "Last key",
+    };
     let a = key_row(ui, studio, "First key", &mut first, before);
-    let b = key_row(ui, studio, "Second key", &mut second, after);
-    let changed = change(&a).max(change(&b));
+    let b = key_row(ui, studio, name_of_last, &mut last, after);
+    let changed = Change::of(&a).max(Change::of(&b));
     if changed != Change::None {
-        wanted.edit.first = KeyTime::Secs(studio.player.snapped(first));
-        wanted.edit.second = KeyTime::Secs(studio.player.snapped(second));
+        wanted.asked.set_span_secs([first, last].map(|secs| studio.player.snapped(secs)));
     }
     changed
 }
@@ -110,26 +99,29 @@ fn key_row(
 }
 
 fn reach(ui: &mut Ui, wanted: &mut Wanted) -> Change {
-    let Action::Drag(drag) = &mut wanted.edit.action else { return Change::None };
-    let mut reach_mm = drag.reach_m * 1e3;
-    let value = DragValue::new(&mut reach_mm).range(20.0..=300.0).speed(0.5).suffix(" mm");
-    let response = number(ui, "Reach", value)
-        .on_hover_text("how far from the strand's way the edit has faded to nothing");
-    drag.reach_m = reach_mm / 1e3;
-    change(&response)
+    let what = match wanted.asked {
+        Asked::Pull(_) => "how far from the strand's way the edit has faded to nothing",
+        Asked::Wind(_) => "how far from its place the change has faded to nothing",
+    };
+    let Some(reach_m) = wanted.asked.reach_m() else { return Change::None };
+    let mut reach_mm = *reach_m * 1e3;
+    let value = DragValue::new(&mut reach_mm).range(20.0..=300.0).speed(0.5).fixed_decimals(0).suffix(" mm");
+    let response = number(ui, "Reach", value).on_hover_text(what);
+    *reach_m = reach_mm / 1e3;
+    Change::of(&response)
 }
 
-/// How the pull comes and goes, where that is chosen and not solved for.
+/// How an edit comes and goes, where that is chosen and not solved for.
 fn ease(ui: &mut Ui, edit: &StackedEdit, wanted: &mut Wanted) -> Change {
-    if edit.method != tousle_edit::METHOD {
+    if edit.wind.is_none() && edit.method != tousle_edit::METHOD {
         return Change::None;
     }
-    let ease = &mut wanted.edit.ease;
+    let ease = wanted.asked.ease();
     let (mut rise, mut fall) = (ease.rise * 100.0, ease.fall * 100.0);
     let (most_rise, most_fall) = (100.0 - fall, 100.0 - rise);
     let a = number(ui, "Ease in", percent(&mut rise, most_rise));
     let b = number(ui, "Ease out", percent(&mut fall, most_fall));
-    let changed = change(&a).max(change(&b));
+    let changed = Change::of(&a).max(Change::of(&b));
     if changed != Change::None {
         (ease.rise, ease.fall) = (rise / 100.0, f64::min(fall / 100.0, 1.0 - rise / 100.0));
     }

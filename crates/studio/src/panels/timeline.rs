@@ -10,7 +10,6 @@ use eframe::egui::{
     Align2, Color32, ComboBox, DragValue, FontId, Painter, Pos2, Rect, Role, ScrollArea, Sense, Stroke, Ui,
     Vec2, WidgetInfo, pos2, vec2,
 };
-use tousle_edit::KeyTime;
 
 const RULER: f32 = 22.0;
 const ROW: f32 = 22.0;
@@ -165,10 +164,13 @@ fn edit_row(ui: &Ui, painter: &Painter, studio: &mut Studio, axis: &Axis, y: f32
     let bar = Rect::from_min_max(pos2(axis.x(first), y - 4.0), pos2(axis.x(last), y + 4.0));
     painter.rect_filled(bar, 3.0, color.gamma_multiply(0.35));
     ease(painter, bar, edit, color);
-    if let Some(pull) = &edit.pull {
-        for (which, secs) in [("First key", first), ("Second key", pull.secs)] {
-            key(ui, painter, studio, axis, pos2(axis.x(secs), y), edit, which);
-        }
+    let keys = match (&edit.pull, &edit.wind) {
+        (Some(pull), _) => [Some(("First key", first)), Some(("Second key", pull.secs))],
+        (None, Some(_)) => [Some(("First key", first)), Some(("Last key", last))],
+        (None, None) => [None, None],
+    };
+    for (which, secs) in keys.into_iter().flatten() {
+        key(ui, painter, studio, axis, pos2(axis.x(secs), y), edit, which);
     }
 }
 
@@ -205,14 +207,11 @@ fn key(
     if let (Some(pointer), Some(mut wanted)) = (pointer, edit.wanted_again()) {
         let frames = 3.0 / studio.player.rate_hz();
         let secs = studio.player.snapped(axis.secs(pointer.x));
-        let span = (wanted.edit.first, wanted.edit.second);
-        match span {
-            (_, KeyTime::Secs(second)) if which == "First key" => {
-                wanted.edit.first = KeyTime::Secs(secs.min(second - frames));
-            }
-            (KeyTime::Secs(first), _) => wanted.edit.second = KeyTime::Secs(secs.max(first + frames)),
-            _ => {}
-        }
+        let [first, last] = wanted.asked.span_secs();
+        wanted.asked.set_span_secs(match which {
+            "First key" => [secs.min(last - frames), last],
+            _ => [first, secs.max(first + frames)],
+        });
         let label = response.drag_stopped().then(|| format!("move a key of {}", edit.name));
         studio.want(wanted, label);
     }

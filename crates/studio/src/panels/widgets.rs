@@ -27,3 +27,28 @@ pub fn number(ui: &mut Ui, name: &str, value: DragValue<'_>) -> Response {
     })
     .inner
 }
+
+/// Whether a value was changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Change {
+    /// It was not.
+    #[default]
+    None,
+    /// It is being dragged.
+    GoesOn,
+    /// It was, and the hand is off it.
+    Done,
+}
+
+impl Change {
+    /// What happened to a value's widget.
+    pub fn of(response: &Response) -> Self {
+        if response.drag_stopped() || response.changed() && !response.dragged() {
+            Self::Done
+        } else if response.changed() {
+            Self::GoesOn
+        } else {
+            Self::None
+        }
+    }
+}
