@@ -1,8 +1,16 @@
 //! What can be said on the command line.
 
+mod bench;
+mod simulate;
+mod values;
+
+pub use bench::{BenchArgs, BenchCommand, BenchDirectArgs, BenchFileArgs, BenchSimArgs, BenchWindArgs};
+pub use simulate::{BodyArgs, ShapeArg, SimulateArgs};
+
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
+use values::{parse_above_zero, parse_axis, parse_edit_method, parse_unit, parse_up_axis};
 
 /// Hair in the wind, measured once, worn by any hairstyle.
 #[derive(Debug, Parser)]
@@ -306,121 +314,6 @@ pub struct GroomArgs {
     pub fit_to_head: bool,
 }
 
-/// The shot's own body.
-#[derive(Clone, Debug, Args)]
-pub struct BodyArgs {
-    /// A closed triangle mesh of the shot's own head, in place of the field's shapes that move with the head. Its origin
-    /// is the head's center.
-    #[arg(long, value_name = "HEAD.obj", requires_all = ["mesh_unit", "mesh_up"])]
-    pub head_mesh: Option<PathBuf>,
-    /// The same for what stays with the torso, placed as it is while the head is at rest.
-    #[arg(long, value_name = "TORSO.obj", requires_all = ["mesh_unit", "mesh_up"])]
-    pub torso_mesh: Option<PathBuf>,
-    /// The unit of the meshes' positions; no OBJ file states it.
-    #[arg(long, value_parser = parse_unit, value_name = "mm|cm|m|in")]
-    pub mesh_unit: Option<tousle_core::LengthUnit>,
-    /// The meshes' up axis.
-    #[arg(long, value_parser = parse_up_axis, value_name = "X|Y|Z")]
-    pub mesh_up: Option<tousle_core::UpAxis>,
-    /// The meshes' axis along which the nose points [default: x where z is up, z where y is up].
-    #[arg(long, value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
-    pub mesh_forward: Option<tousle_groom::Axis>,
-}
-
-/// `tousle simulate`
-#[derive(Debug, Args)]
-pub struct SimulateArgs {
-    /// The field.
-    pub field: PathBuf,
-    /// The hairstyle.
-    #[arg(long)]
-    pub groom: PathBuf,
-    /// Where the motion goes: .npz or .usda; may be given more than once.
-    #[arg(short, long, required = true, value_name = "OUT.npz|OUT.usda")]
-    pub output: Vec<PathBuf>,
-    /// Which equations move the hair [default: physical, or paper for a field of the paper's forces].
-    #[arg(long, value_parser = parse_sim_method, value_name = "physical|paper")]
-    pub method: Option<tousle_sim::Method>,
-    /// Frames of the result a second.
-    #[arg(long, default_value_t = 60.0, value_name = "HZ")]
-    pub rate_hz: f64,
-    /// How the equations are stepped through time: implicit, implicit-euler, adaptive, semi-implicit, rk4; with
-    /// --method paper: exponential, semi-implicit [default: the first].
-    #[arg(long, value_parser = parse_integrator, value_name = "NAME")]
-    pub integrator: Option<tousle_sim::Integrator>,
-    /// The most that a step of the integrator adaptive may be off, mm.
-    #[arg(long, default_value_t = 0.1, value_name = "MM")]
-    pub tolerance_mm: f64,
-    /// Compute in single precision: faster, for hair of usual proportions.
-    #[arg(long)]
-    pub single: bool,
-    /// The longest step, s [default: the method's own].
-    #[arg(long, value_name = "S")]
-    pub dt_secs: Option<f64>,
-    /// The shot's own head motion in place of the capture's: .npz in the capture's world axes with `t` (T), `R`
-    /// (T,3,3), `p` (T,3), so that world = R head + p; or an animated transform in .usda: the prim behind the
-    /// colon, or the only one that is animated.
-    #[arg(long, value_name = "POSES.npz|FILE.usda[:/PRIM]")]
-    pub head: Option<String>,
-    /// The head's own axes in its USD prim: up and where the nose points [default: up as the stage; nose Z where Y
-    /// is up, X where Z is up].
-    #[arg(long, value_parser = parse_head_axes, value_name = "UP,NOSE", requires = "head", allow_hyphen_values = true)]
-    pub head_axes: Option<tousle_core::HeadAxes>,
-    /// The time code of the USD stage that meets the field's first step [default: the stage's first].
-    #[arg(long, value_name = "CODE", requires = "head", allow_hyphen_values = true)]
-    pub head_start: Option<f64>,
-    /// What hair on the shoulders rubs on when the head moves: a surface that goes along with the head, so that it
-    /// slides off a shoulder that the head turns away from; or the torso's own, which stays and holds it.
-    #[arg(long, value_parser = parse_torso_grip, default_value = "head", value_name = "head|torso")]
-    pub torso_grip: tousle_sim::TorsoGrip,
-    /// What the wind does outside the field's span.
-    #[arg(long, value_parser = parse_time, default_value = "once", value_name = "once|loop|hold")]
-    pub time: tousle_sim::TimeMode,
-    /// How long the motion lasts, s [default: to the field's last step].
-    #[arg(long, value_name = "S")]
-    pub duration_secs: Option<f64>,
-    /// Simulate only N guides, chosen among the strands; the others follow them. For dense grooms.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub guides: Option<u32>,
-    /// Strands that follow and are simulated too, to tell how far off those are that are not; 0 for none.
-    #[arg(long, value_name = "N", default_value_t = 200, requires = "guides")]
-    pub guides_check: u32,
-    /// For long runs: keep what is done in a folder .OUT.resume beside the (first) output, strands after strands. If the
-    /// run is stopped, the same command goes on from there and gives the same bytes. N: strands that run before they
-    /// are kept [default: some seconds' work].
-    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "0")]
-    pub resume: Option<u32>,
-    /// How strands are drawn in a .usda file.
-    #[arg(long, value_enum, default_value_t = ShapeArg::Curves, value_name = "SHAPE")]
-    pub shape: ShapeArg,
-    /// Put what the hair touches into a .usda file too, as guides that renderers leave out.
-    #[arg(long)]
-    pub with_body: bool,
-    /// Say which terms run, and what was left out and why.
-    #[arg(long)]
-    pub explain: bool,
-    /// Print the report as JSON.
-    #[arg(long)]
-    pub json: bool,
-    /// How the groom is read.
-    #[command(flatten)]
-    pub groom_args: GroomArgs,
-    /// What the hair touches.
-    #[command(flatten)]
-    pub body_args: BodyArgs,
-}
-
-/// `--shape`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ShapeArg {
-    /// Thin curves.
-    Curves,
-    /// The paper's reed-shaped polygons, with texture coordinates.
-    Reeds,
-    /// Both in one file.
-    Both,
-}
-
 /// `tousle edit`
 #[derive(Debug, Args)]
 pub struct EditArgs {
@@ -506,151 +399,6 @@ pub struct DemoArgs {
     /// The folder to write into.
     #[arg(short, long, default_value = "tousle-demo", value_name = "DIR")]
     pub output: PathBuf,
-}
-
-/// `tousle bench …`
-#[derive(Debug, Subcommand)]
-pub enum BenchCommand {
-    /// The method `paper` on captures with their truth: each reading of E3, scored on another hairstyle.
-    Paper(BenchArgs),
-    /// The simulator: error against run time of every integrator and step, stiff and extreme cases, cost of each term.
-    Sim(BenchSimArgs),
-    /// The wind that both methods measure on captures with their truth, with other voxels, rates, markers, noise, gaps.
-    Wind(BenchWindArgs),
-    /// Drags drawn at random on captures, by E4 and solved for: how near the keys, how smooth, who else moves.
-    Direct(BenchDirectArgs),
-    /// Fields in files: size and speed of each way to pack them, beside .npz and .vdb.
-    File(BenchFileArgs),
-}
-
-/// `tousle bench sim`
-#[derive(Debug, Args)]
-pub struct BenchSimArgs {
-    /// A folder of captures, each with its other hairstyle and its truth [default: what needs none].
-    #[arg(long, value_name = "DIR")]
-    pub captures: Option<PathBuf>,
-    /// What hair on the torso rubs on while the head moves, as for `simulate`; for the part `truth`.
-    #[arg(long, value_parser = parse_torso_grip, default_value = "head", value_name = "head|torso")]
-    pub torso_grip: tousle_sim::TorsoGrip,
-    /// Only this part; may be given several times [default: all].
-    #[arg(long = "part", value_parser = parse_part, value_name = "truth|converged|order|extremes|terms")]
-    pub parts: Vec<tousle_bench::sim::Part>,
-    /// The folder for tables, plots and the page (CSV, SVG, HTML) [default: print only].
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-}
-
-/// `tousle bench wind`
-#[derive(Debug, Args)]
-pub struct BenchWindArgs {
-    /// A folder of captures, each with its session, its other hairstyle and its truth.
-    #[arg(long, value_name = "DIR")]
-    pub captures: PathBuf,
-    /// Only this capture; may be given several times [default: all].
-    #[arg(long = "capture", value_name = "NAME")]
-    pub names: Vec<String>,
-    /// Only both methods as they are by default, and the closed loop.
-    #[arg(long)]
-    pub quick: bool,
-    /// Instead: what would have been chosen for each capture from the others alone.
-    #[arg(long, conflicts_with = "quick")]
-    pub leave_one_out: bool,
-    /// The folder for the table, the plot and the page (CSV, SVG, HTML) [default: print only].
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-}
-
-/// `tousle bench direct`
-#[derive(Debug, Args)]
-pub struct BenchDirectArgs {
-    /// A folder of captures, each with its session, its other hairstyle and its truth.
-    #[arg(long, value_name = "DIR")]
-    pub captures: PathBuf,
-    /// Only this capture; may be given several times [default: three of them].
-    #[arg(long = "capture", value_name = "NAME")]
-    pub names: Vec<String>,
-    /// Drags a capture.
-    #[arg(long, default_value_t = 20, value_name = "N")]
-    pub drags: usize,
-    /// Where the dice begin.
-    #[arg(long, default_value_t = 7, value_name = "N")]
-    pub seed: u64,
-    /// The folder for the tables (CSV) [default: print only].
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-}
-
-/// `tousle bench file`
-#[derive(Debug, Args)]
-pub struct BenchFileArgs {
-    /// The fields.
-    #[arg(required = true, value_name = "FIELD")]
-    pub fields: Vec<PathBuf>,
-    /// The folder for the table (CSV) [default: print only].
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-}
-
-/// `tousle bench paper`
-#[derive(Debug, Args)]
-pub struct BenchArgs {
-    /// A folder of captures, each with its session, its other hairstyle and its truth.
-    #[arg(long, value_name = "DIR")]
-    pub captures: PathBuf,
-    /// The folder for tables (CSV, HTML) [default: print only].
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-}
-
-fn parse_edit_method(name: &str) -> Result<tousle_direct::EditMethod, String> {
-    tousle_direct::EditMethod::from_name(name).ok_or_else(|| "expected physical or paper".to_owned())
-}
-
-fn parse_above_zero(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "expected a number above 0".to_owned())
-}
-
-fn parse_unit(name: &str) -> Result<tousle_core::LengthUnit, String> {
-    tousle_core::LengthUnit::from_name(name).ok_or_else(|| "expected mm, cm, m or in".to_owned())
-}
-
-fn parse_up_axis(name: &str) -> Result<tousle_core::UpAxis, String> {
-    tousle_core::UpAxis::from_name(name).ok_or_else(|| "expected X, Y or Z".to_owned())
-}
-
-fn parse_head_axes(text: &str) -> Result<tousle_core::HeadAxes, String> {
-    let expected = || format!("found {text:?}, expected two axes: Y,Z or Z,X or Y,-Z");
-    let (up, forward) = text.split_once(',').ok_or_else(expected)?;
-    let [up, forward] =
-        [up, forward].map(|axis| tousle_groom::Axis::from_name(axis).map(tousle_groom::Axis::vector));
-    Ok(tousle_core::HeadAxes { up: up.ok_or_else(expected)?, forward: forward.ok_or_else(expected)? })
-}
-
-fn parse_axis(name: &str) -> Result<tousle_groom::Axis, String> {
-    tousle_groom::Axis::from_name(name).ok_or_else(|| "expected x, y, z, -x, -y or -z".to_owned())
-}
-
-fn parse_torso_grip(name: &str) -> Result<tousle_sim::TorsoGrip, String> {
-    tousle_sim::TorsoGrip::from_name(name).ok_or_else(|| "expected head or torso".to_owned())
-}
-
-fn parse_time(name: &str) -> Result<tousle_sim::TimeMode, String> {
-    tousle_sim::TimeMode::from_name(name).ok_or_else(|| "expected once, loop or hold".to_owned())
-}
-
-fn parse_sim_method(name: &str) -> Result<tousle_sim::Method, String> {
-    tousle_sim::Method::from_name(name).ok_or_else(|| "expected physical or paper".to_owned())
-}
-
-fn parse_part(name: &str) -> Result<tousle_bench::sim::Part, String> {
-    let names: Vec<_> = tousle_bench::sim::Part::ALL.iter().map(|part| part.name()).collect();
-    tousle_bench::sim::Part::from_name(name).ok_or_else(|| format!("expected one of {}", names.join(", ")))
-}
-
-fn parse_integrator(name: &str) -> Result<tousle_sim::Integrator, String> {
-    let names: Vec<_> = tousle_sim::Integrator::ALL.iter().map(|i| i.name()).collect();
-    tousle_sim::Integrator::from_name(name).ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }
 
 #[cfg(test)]
