@@ -17,6 +17,9 @@ pub struct Request {
     pub stack: Vec<FieldLayer>,
     /// An edit to be made into layers first.
     pub wanted: Option<Wanted>,
+    /// Whether the hand is off the wanted edit. It is then made from nothing, and so is the same whatever was tried on the
+    /// way; until then it begins from the last answer, which is sooner there.
+    pub is_let_go: bool,
     /// An edit without which the motion is wanted too, by its id; a wanted edit always is one.
     pub without: Option<String>,
 }
@@ -206,6 +209,9 @@ impl Stage<'_> {
         let simulator = self.ready.as_ref().map_err(Clone::clone)?;
         let stage =
             tousle_direct::Stage { simulator, field: self.field, scene: self.scene, groom: self.groom };
+        if request.is_let_go {
+            self.warm = None;
+        }
         let solved = solve(&stage, &others, &before, wanted, &mut self.warm).map_err(in_words)?;
         let stack = put(stack, replaced, solved.layers.clone());
         let motion = self.motion(&stack)?;
@@ -309,17 +315,21 @@ mod tests {
         assert!(moved(&first.motion) > 5.0, "{} mm", moved(&first.motion));
 
         let wanted = Wanted { replaces: Some(id.clone()), ..lift() };
-        let request = Request { stack: first.stack, wanted: Some(wanted), without: None };
+        let request = Request { stack: first.stack, wanted: Some(wanted), ..Request::default() };
         let number = simulator.ask(request);
         let again = answer(&mut simulator, number).result.unwrap();
         assert!(again.stack.iter().all(|layer| layer.edit_id() == id));
         // The key is met to a millimeter both times; what the last answer was may show within that.
         let (cold_mm, warm_mm) = (moved(&first.motion), moved(&again.motion));
         assert!((cold_mm - warm_mm).abs() < 2.0, "{cold_mm} mm, then {warm_mm} mm");
+        let request = Request { wanted: Some(lift()), is_let_go: true, ..Request::default() };
+        let number = simulator.ask(request);
+        let let_go = answer(&mut simulator, number).result.unwrap();
+        assert_eq!(let_go.motion, first.motion);
 
         let mut muted = again.stack;
         muted.iter_mut().for_each(|layer| layer.muted = true);
-        let number = simulator.ask(Request { stack: muted, wanted: None, without: Some(id) });
+        let number = simulator.ask(Request { stack: muted, without: Some(id), ..Request::default() });
         let quiet = answer(&mut simulator, number).result.unwrap();
         assert!(Arc::ptr_eq(&quiet.motion, &quiet.without.unwrap()));
         assert_eq!(quiet.motion, before);

@@ -42,6 +42,7 @@ impl Studio {
         let number = self.work.simulator.ask(Request {
             stack: self.document.stack().to_vec(),
             wanted: Some(wanted.clone()),
+            is_let_go: label.is_some(),
             without: None,
         });
         self.work.pending = Some(wanted);
@@ -117,8 +118,8 @@ impl Studio {
         }
         self.work.simulator.ask(Request {
             stack: self.document.stack().to_vec(),
-            wanted: None,
             without: self.chosen_edit.clone(),
+            ..Request::default()
         });
         self.work.asked = Some(now);
     }
