@@ -79,7 +79,7 @@ impl Studio {
             strong: self.scales.strength,
         };
         let wanted = Wanted { asked: Asked::Wind(kind.at(&spot)), replaces: None };
-        self.want(wanted, Some(kind.name().to_lowercase()));
+        self.want(wanted, Some(kind.name().to_owned()));
     }
 
     /// The points of a strand as it is now, or of all.

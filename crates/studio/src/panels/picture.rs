@@ -250,7 +250,7 @@ pub fn go_on(studio: &mut Studio, place: &Place, response: &Response, part: Part
         drag.move_to(place.pixel(at));
     }
     let wanted = drag.wanted.clone();
-    let label = is_done.then(|| wanted.asked.name().to_lowercase());
+    let label = is_done.then(|| wanted.asked.name().to_owned());
     studio.want(wanted, label);
     if is_done {
         studio.drag = None;
