@@ -100,7 +100,7 @@ fn a_key_is_met() {
 
 /// Two points of one strand at one time, and another strand later: nearly, and what is left is said.
 ///
-/// Not to a tolerance of 1 mm together: the search has ended 1 to 6 mm off here.
+/// Not to a tolerance of 1 mm together: the search ends some millimeters off here.
 #[test]
 fn several_keys_are_met_together() {
     let toml = format!(
