@@ -6,45 +6,33 @@ use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use pulp::NullaryFnOnce;
 
 macro_rules! elementwise {
-    ($name:ident, $trait:ident, $method:ident, $op:tt) => {
+    ($name:ident, [$($k:literal)*], $trait:ident, $method:ident, $op:tt) => {
         impl $trait for $name {
             type Output = Self;
 
             #[inline(always)]
-            fn $method(mut self, other: Self) -> Self {
-                for (a, b) in self.0.iter_mut().zip(&other.0) {
-                    *a $op *b;
-                }
-                self
+            fn $method(self, other: Self) -> Self {
+                Self([$(self.0[$k] $op other.0[$k]),*])
             }
         }
     };
 }
 
-/// Numbers of `$n` strands, as wide as the registers that `$dispatch` compiles for.
+/// Numbers of as many strands as there are indices, as wide as the registers that `$dispatch` compiles for.
+///
+/// Every number is written out: loops would be thousands in a step, and most of the time that the compiler takes for it.
 macro_rules! lane {
-    ($(#[$doc:meta])* $name:ident, $t:ident, $n:literal, $align:literal, $dispatch:path) => {
+    ($(#[$doc:meta])* $name:ident, $t:ident, $n:literal, $indices:tt, $align:literal, $dispatch:path) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[repr(align($align))]
         pub(crate) struct $name([$t; $n]);
 
-        elementwise!($name, Add, add, +=);
-        elementwise!($name, Sub, sub, -=);
-        elementwise!($name, Mul, mul, *=);
-        elementwise!($name, Div, div, /=);
-
-        impl Neg for $name {
-            type Output = Self;
-
-            #[inline(always)]
-            fn neg(mut self) -> Self {
-                for a in &mut self.0 {
-                    *a = -*a;
-                }
-                self
-            }
-        }
+        elementwise!($name, $indices, Add, add, +);
+        elementwise!($name, $indices, Sub, sub, -);
+        elementwise!($name, $indices, Mul, mul, *);
+        elementwise!($name, $indices, Div, div, /);
+        lane!(@functions $name, $t, $n, $indices, $dispatch);
 
         impl AddAssign for $name {
             #[inline(always)]
@@ -57,6 +45,16 @@ macro_rules! lane {
             #[inline(always)]
             fn sub_assign(&mut self, other: Self) {
                 *self = *self - other;
+            }
+        }
+    };
+    (@functions $name:ident, $t:ident, $n:literal, [$($k:literal)*], $dispatch:path) => {
+        impl Neg for $name {
+            type Output = Self;
+
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self([$(-self.0[$k]),*])
             }
         }
 
@@ -84,19 +82,13 @@ macro_rules! lane {
             }
 
             #[inline(always)]
-            fn mul_add(mut self, by: Self, to: Self) -> Self {
-                for k in 0..$n {
-                    self.0[k] = self.0[k].mul_add(by.0[k], to.0[k]);
-                }
-                self
+            fn mul_add(self, by: Self, to: Self) -> Self {
+                Self([$(self.0[$k].mul_add(by.0[$k], to.0[$k])),*])
             }
 
             #[inline(always)]
             fn per_sqrt(self) -> Self {
-                let mut root = self;
-                for a in &mut root.0 {
-                    *a = a.guess_per_sqrt();
-                }
+                let mut root = Self([$(self.0[$k].guess_per_sqrt()),*]);
                 for terms in $t::TO_PER_SQRT {
                     let rest = (-self * root).mul_add(root, Self::one());
                     root = closer(root, rest, terms);
@@ -106,10 +98,7 @@ macro_rules! lane {
 
             #[inline(always)]
             fn per_sixth_root(self) -> Self {
-                let mut root = self;
-                for a in &mut root.0 {
-                    *a = a.guess_per_sixth_root();
-                }
+                let mut root = Self([$(self.0[$k].guess_per_sixth_root()),*]);
                 for terms in $t::TO_PER_SIXTH_ROOT {
                     let cube = root * root * root;
                     let rest = (-self * cube).mul_add(cube, Self::one());
@@ -119,61 +108,38 @@ macro_rules! lane {
             }
 
             #[inline(always)]
-            fn round(mut self) -> Self {
-                for a in &mut self.0 {
-                    *a = a.round_ties_even();
-                }
-                self
+            fn round(self) -> Self {
+                Self([$(self.0[$k].round_ties_even()),*])
             }
 
             #[inline(always)]
-            fn exp2_whole(mut self) -> Self {
-                for a in &mut self.0 {
-                    *a = a.exp2_whole();
-                }
-                self
+            fn exp2_whole(self) -> Self {
+                Self([$(self.0[$k].exp2_whole()),*])
             }
 
             #[inline(always)]
-            fn max(mut self, other: Self) -> Self {
-                for (a, b) in self.0.iter_mut().zip(&other.0) {
-                    *a = if *a > *b { *a } else { *b };
-                }
-                self
+            fn max(self, other: Self) -> Self {
+                Self([$(if self.0[$k] > other.0[$k] { self.0[$k] } else { other.0[$k] }),*])
             }
 
             #[inline(always)]
-            fn min(mut self, other: Self) -> Self {
-                for (a, b) in self.0.iter_mut().zip(&other.0) {
-                    *a = if *a < *b { *a } else { *b };
-                }
-                self
+            fn min(self, other: Self) -> Self {
+                Self([$(if self.0[$k] < other.0[$k] { self.0[$k] } else { other.0[$k] }),*])
             }
 
             #[inline(always)]
-            fn above(self, bound: Self, mut yes: Self, no: Self) -> Self {
-                for k in 0..$n {
-                    yes.0[k] = if self.0[k] > bound.0[k] { yes.0[k] } else { no.0[k] };
-                }
-                yes
+            fn above(self, bound: Self, yes: Self, no: Self) -> Self {
+                Self([$(if self.0[$k] > bound.0[$k] { yes.0[$k] } else { no.0[$k] }),*])
             }
 
             #[inline(always)]
             fn any_above(self, bound: Self) -> bool {
-                let mut any = false;
-                for k in 0..$n {
-                    any |= self.0[k] > bound.0[k];
-                }
-                any
+                false $(| (self.0[$k] > bound.0[$k]))*
             }
 
             #[inline(always)]
             fn all_above(self, bound: Self) -> bool {
-                let mut all = true;
-                for k in 0..$n {
-                    all &= self.0[k] > bound.0[k];
-                }
-                all
+                true $(& (self.0[$k] > bound.0[$k]))*
             }
         }
     };
@@ -181,27 +147,27 @@ macro_rules! lane {
 
 lane!(
     /// One strand by itself, in double precision.
-    F64x1, f64, 1, 8, on_any
+    F64x1, f64, 1, [0], 8, on_any
 );
 lane!(
     /// Four strands in double precision: one register of 256 bits.
-    F64x4, f64, 4, 32, on_bits_256
+    F64x4, f64, 4, [0 1 2 3], 32, on_bits_256
 );
 lane!(
     /// Eight strands in double precision: one register of 512 bits.
-    F64x8, f64, 8, 64, on_bits_512
+    F64x8, f64, 8, [0 1 2 3 4 5 6 7], 64, on_bits_512
 );
 lane!(
     /// One strand by itself, in single precision.
-    F32x1, f32, 1, 4, on_scalars
+    F32x1, f32, 1, [0], 4, on_scalars
 );
 lane!(
     /// Eight strands in single precision: one register of 256 bits.
-    F32x8, f32, 8, 32, on_bits_256
+    F32x8, f32, 8, [0 1 2 3 4 5 6 7], 32, on_bits_256
 );
 lane!(
     /// Sixteen strands in single precision: one register of 512 bits.
-    F32x16, f32, 16, 64, on_bits_512
+    F32x16, f32, 16, [0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15], 64, on_bits_512
 );
 
 #[cfg(test)]
