@@ -35,8 +35,9 @@ impl<L: Lane> JointStep<L> {
 
     #[inline(always)]
     fn semi_implicit(joint: JointEquation<L>, dt_secs: f64) -> Self {
-        let free = joint.per_inertia * L::splat(dt_secs);
-        let rate_per_rate = L::one() / free.mul_add(joint.resistance, L::one());
+        let free = joint.per_inertia * joint.strength.same(dt_secs);
+        let rate_per_rate =
+            joint.strength.same(1.0) / free.mul_add(joint.resistance, joint.strength.same(1.0));
         Self { rate_per_rate, rate_per_torque: free * rate_per_rate }
     }
 
@@ -56,21 +57,21 @@ impl<L: Lane> JointStep<L> {
     /// step is too long: a joint swings by at most 1 + √2 times the angle at which it would balance the torque.
     #[inline(always)]
     fn exponential(joint: JointEquation<L>, dt_secs: f64) -> Self {
-        let free = joint.per_inertia * L::splat(dt_secs);
-        let fades = joint.resistance * free * L::splat(0.5);
-        let phase2 = joint.strength * free * L::splat(dt_secs);
+        let free = joint.per_inertia * joint.strength.same(dt_secs);
+        let fades = joint.resistance * free * joint.strength.same(0.5);
+        let phase2 = joint.strength * free * joint.strength.same(dt_secs);
         let faded = fade(fades);
-        let remains = L::one() + faded;
+        let remains = joint.strength.same(1.0) + faded;
         let swing2 = phase2 - fades * fades;
         // |1 − exp(−fade + iω)|², as a sum of squares.
-        let phase = swing2.max(L::zero()).sqrt();
-        let sin = sine_to_quarter(phase.min(L::splat(FRAC_PI_2)) * L::splat(0.5));
-        let mut share = (faded * faded + remains * sin * sin * L::splat(4.0)) / phase2;
-        if !swing2.all_above(L::zero()) {
-            let fast = fades + (-swing2).max(L::zero()).sqrt();
+        let phase = swing2.max(joint.strength.same(0.0)).sqrt();
+        let sin = sine_to_quarter(phase.min(joint.strength.same(FRAC_PI_2)) * joint.strength.same(0.5));
+        let mut share = (faded * faded + remains * sin * sin * joint.strength.same(4.0)) / phase2;
+        if !swing2.all_above(joint.strength.same(0.0)) {
+            let fast = fades + (-swing2).max(joint.strength.same(0.0)).sqrt();
             // The slow root from the product of both: their difference would cancel.
-            let slow = fast.above(L::zero(), phase2 / fast, L::zero());
-            share = swing2.above(L::zero(), share, mean_fade(fast) * mean_fade(slow));
+            let slow = fast.above(joint.strength.same(0.0), phase2 / fast, joint.strength.same(0.0));
+            share = swing2.above(joint.strength.same(0.0), share, mean_fade(fast) * mean_fade(slow));
         }
         Self { rate_per_rate: remains * remains, rate_per_torque: free * share }
     }
@@ -85,8 +86,8 @@ impl<L: Lane> JointStep<L> {
 /// (1 − e^(−x)) / x: the mean of what is left while it fades.
 #[inline(always)]
 fn mean_fade<L: Lane>(x: L) -> L {
-    let small = L::splat(1e-8);
-    x.above(small, -fade(x) / x.max(small), L::splat(-0.5).mul_add(x, L::one()))
+    let small = x.same(1e-8);
+    x.above(small, -fade(x) / x.max(small), x.same(-0.5).mul_add(x, x.same(1.0)))
 }
 
 #[cfg(test)]

@@ -12,8 +12,16 @@ mod number;
 mod quaternion;
 mod registers;
 mod vector;
+#[cfg(target_arch = "x86_64")]
+mod wide;
 
-pub(crate) use array::{F32x1, F32x8, F32x16, F64x1, F64x4, F64x8};
+#[cfg(not(target_arch = "x86_64"))]
+use array::{F32x8, F64x4};
+#[cfg(target_arch = "x86_64")]
+use wide::{F32x8, F32x16, F64x4, F64x8};
+
+use array::F32x1;
+pub(crate) use array::F64x1;
 pub(crate) use functions::{cos_and_sine_share, fade, series, sine_to_quarter};
 pub(crate) use matrix::{Matrix, Symmetric};
 pub(crate) use quaternion::Turn;
@@ -48,8 +56,18 @@ pub(crate) trait Lane:
     /// If the machine has no such registers; [`Registers::widest`] says.
     fn dispatch<Op: NullaryFnOnce>(op: Op) -> Op::Output;
 
-    /// The same number for all.
+    /// The same number for all. In the loop over steps it is [`Lane::same`] that is asked: where the numbers are in
+    /// registers, this must first see that the machine has them.
     fn splat(value: f64) -> Self;
+
+    /// The same number for all, beside a number that there is.
+    fn same(self, value: f64) -> Self;
+
+    /// Numbers in single precision, one a strand.
+    fn of_single(self, numbers: &[f32]) -> Self;
+
+    /// These numbers in single precision.
+    fn to_single(self, numbers: &mut [f32]);
 
     /// The number of one strand.
     fn get(&self, lane: usize) -> f64;
@@ -130,5 +148,98 @@ pub(crate) trait Lane:
             let b = if b.is_nan() { f64::INFINITY } else { b };
             if b > a { b } else { a }
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Precision;
+
+    #[test]
+    fn roots_are_roots() {
+        for x in [1e-24, 1e-3, 0.5, 1.0, 1.9, 27.0, 1e20] {
+            let (square, sixth) = (1.0 / libm::sqrt(x), 1.0 / libm::sqrt(libm::cbrt(x)));
+            let close = |found: f64, expected: f64, tolerance: f64| {
+                assert!((found / expected - 1.0).abs() < tolerance, "{x}: {found}, expected {expected}");
+            };
+            close(F64x1::splat(x).per_sqrt().get(0), square, 1e-15);
+            close(F64x1::splat(x).per_sixth_root().get(0), sixth, 1e-13);
+            close(F32x1::splat(x).per_sqrt().get(0), square, 2e-7);
+            close(F32x1::splat(x).per_sixth_root().get(0), sixth, 3e-7);
+        }
+        assert_eq!((F64x1::zero().sqrt().get(0), F32x1::zero().sqrt().get(0)), (0.0, 0.0));
+        assert!(F64x1::splat(f64::NAN).sqrt().get(0).is_nan());
+    }
+
+    /// What can be done with 16 pairs of numbers, in lanes that fit some registers. Out: what came of it, operation after
+    /// operation, and what was found above.
+    struct Everything<'a>(&'a [f64; 16], &'a [f64; 16]);
+
+    impl WithLanes for Everything<'_> {
+        type Output = (Vec<u64>, [bool; 2]);
+
+        fn with<L: Lane>(self) -> Self::Output {
+            let lanes = |numbers: &[f64; 16]| -> Vec<L> {
+                numbers.chunks(L::N).map(|some| L::from_fn(|lane| some[lane])).collect()
+            };
+            let operations: [fn(L, L) -> L; 16] = [
+                |a, b| a + b,
+                |a, b| a - b,
+                |a, b| a * b,
+                |a, b| a / b,
+                |a, _| -a,
+                |a, b| a.mul_add(b, a),
+                |a, b| a.max(b),
+                |a, b| a.min(b),
+                |a, b| a.above(b, a.same(0.1), b + b),
+                |a, _| (a * a).per_sqrt(),
+                |a, _| (a * a).per_sixth_root(),
+                |a, _| (a * a).cbrt(),
+                |a, _| a.round(),
+                |a, _| a.min(a.same(99.0)).max(a.same(-99.0)).round().exp2_whole(),
+                |a, _| fade(a * a),
+                |a, _| {
+                    let mut single = vec![0.0; L::N];
+                    a.to_single(&mut single);
+                    a.of_single(&single)
+                },
+            ];
+            let (a, b) = (lanes(self.0), lanes(self.1));
+            let bits = operations.iter().flat_map(|operation| {
+                let found = a.iter().zip(&b).map(|(a, b)| operation(*a, *b));
+                found.flat_map(|found| (0..L::N).map(move |lane| found.get(lane).to_bits()))
+            });
+            let pairs = || a.iter().zip(&b);
+            let above = [pairs().any(|(a, b)| a.any_above(*b)), pairs().all(|(a, b)| a.all_above(*b))];
+            (bits.collect(), above)
+        }
+    }
+
+    #[test]
+    fn operations_are_the_same_in_all_registers() {
+        let a: [f64; 16] = core::array::from_fn(|k| (k as f64 - 7.3) * libm::exp2(k as f64 - 6.0));
+        let mixed: [f64; 16] = core::array::from_fn(|k| a[(k * 7 + 3) % 16] * 1.000_1);
+        let below: [f64; 16] = a.map(|a| a - 1.0);
+        let mut but_one = below;
+        but_one[13] = a[13];
+        let mut wild = mixed;
+        (wild[2], wild[9], wild[12]) = (f64::NAN, f64::INFINITY, 0.0);
+        for precision in [Precision::Double, Precision::Single] {
+            for (b, above) in [
+                (mixed, [true, false]),
+                (below, [true, true]),
+                (but_one, [true, false]),
+                (a, [false, false]),
+                (wild, [true, false]),
+            ] {
+                let alone = Registers::Scalar.with_lanes(precision, Everything(&a, &b));
+                assert_eq!(alone.1, above);
+                for registers in Registers::here() {
+                    let found = registers.with_lanes(precision, Everything(&a, &b));
+                    assert!(found == alone, "{registers:?}, {precision:?}, {b:?}: {found:?} {alone:?}");
+                }
+            }
+        }
     }
 }

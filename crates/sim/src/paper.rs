@@ -157,7 +157,7 @@ impl<L: Lane> Batch<L> {
 
     #[inline(always)]
     fn move_points(&self, work: &mut [Work<L>]) {
-        let (mut end, mut velocity) = (self.root, Vector::zero());
+        let (mut end, mut velocity) = (self.root, Vector::none(self.damping_secs));
         for ((stick, motion), work) in self.sticks.iter().zip(&self.motions).zip(work) {
             end = motion.direction.mul_add(stick.length, end);
             velocity = motion.rate.cross(motion.direction).mul_add(stick.length, velocity);
@@ -169,9 +169,9 @@ impl<L: Lane> Batch<L> {
     /// S of E2 and E1: sums along the strand from the tip, and each joint's equation on the way.
     #[inline(always)]
     fn solve_joints(&mut self, work: &mut [Work<L>], model: &PaperModel, dt_secs: f64) {
-        let mut pull = Vector::zero();
-        let mut air = AirFurtherOut::nothing();
-        let mut next_torque = Vector::zero();
+        let mut pull = Vector::none(self.damping_secs);
+        let mut air = AirFurtherOut::nothing(self.damping_secs);
+        let mut next_torque = Vector::none(self.damping_secs);
         for j in (0..work.len()).rev() {
             let (stick, Motion { direction, rate }) = (&self.sticks[j], self.motions[j]);
             pull += work[j].force;
@@ -198,16 +198,16 @@ impl<L: Lane> Batch<L> {
 
     #[inline(always)]
     fn turn_sticks(&mut self, dt_secs: f64) {
-        let dt = L::splat(dt_secs);
+        let dt = self.damping_secs.same(dt_secs);
         for Motion { direction, rate } in &mut self.motions {
             // Rodrigues' formula; the turn is at right angles to the stick.
             let turn = *rate * dt;
             let angle2 = turn.norm_squared();
-            let (cos, sine_share) = cos_and_sine_share(angle2.min(L::one()));
+            let (cos, sine_share) = cos_and_sine_share(angle2.min(self.damping_secs.same(1.0)));
             let mut to = direction.mul_add(cos, turn.cross(*direction) * sine_share);
-            if angle2.any_above(L::one()) {
+            if angle2.any_above(self.damping_secs.same(1.0)) {
                 let far = |lane: usize| turned(direction.get(lane), turn.get(lane));
-                to = Vector::where_above(angle2, L::one(), Vector::from_fn(far), to);
+                to = Vector::where_above(angle2, self.damping_secs.same(1.0), Vector::from_fn(far), to);
             }
             *direction = to.normalized();
             *rate -= *direction * direction.dot(*rate);
@@ -233,15 +233,15 @@ struct AirFurtherOut<L> {
 }
 
 impl<L: Lane> AirFurtherOut<L> {
-    fn nothing() -> Self {
-        Self { resisted: Vector::zero(), resistance: Symmetric::zero(), most: L::zero() }
+    fn nothing(like: L) -> Self {
+        Self { resisted: Vector::none(like), resistance: Symmetric::none(like), most: like.same(0.0) }
     }
 
     /// Adds the point at the end of stick `j`: half of each stick that meets there.
     #[inline(always)]
     fn gather(&mut self, work: &[Work<L>], half_arc: L, j: usize) {
         for work in &work[j..(j + 2).min(work.len())] {
-            self.resisted = work.air.resisted.mul_add(L::splat(0.5), self.resisted);
+            self.resisted = work.air.resisted.mul_add(half_arc.same(0.5), self.resisted);
             self.resistance.add_scaled(&work.air.resistance, half_arc);
             self.most = work.air.most.mul_add(half_arc, self.most);
         }

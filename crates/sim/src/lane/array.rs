@@ -1,7 +1,7 @@
 use super::Lane;
 use super::functions::closer;
 use super::number::Number;
-use super::registers::{on_any, on_bits_256, on_bits_512, on_scalars};
+use super::registers::{on_any, on_scalars};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use pulp::NullaryFnOnce;
 
@@ -72,6 +72,21 @@ macro_rules! lane {
             }
 
             #[inline(always)]
+            fn same(self, value: f64) -> Self {
+                Self::splat(value)
+            }
+
+            #[inline(always)]
+            fn of_single(self, numbers: &[f32]) -> Self {
+                Self([$($t::from(numbers[$k])),*])
+            }
+
+            #[inline(always)]
+            fn to_single(self, numbers: &mut [f32]) {
+                numbers.copy_from_slice(&[$(self.0[$k].single()),*]);
+            }
+
+            #[inline(always)]
             fn get(&self, lane: usize) -> f64 {
                 f64::from(self.0[lane])
             }
@@ -109,7 +124,7 @@ macro_rules! lane {
 
             #[inline(always)]
             fn round(self) -> Self {
-                Self([$(self.0[$k].round_ties_even()),*])
+                Self([$(self.0[$k] + $t::WHOLE_FROM_HERE - $t::WHOLE_FROM_HERE),*])
             }
 
             #[inline(always)]
@@ -150,52 +165,16 @@ lane!(
     F64x1, f64, 1, [0], 8, on_any
 );
 lane!(
-    /// Four strands in double precision: one register of 256 bits.
-    F64x4, f64, 4, [0 1 2 3], 32, on_bits_256
-);
-lane!(
-    /// Eight strands in double precision: one register of 512 bits.
-    F64x8, f64, 8, [0 1 2 3 4 5 6 7], 64, on_bits_512
-);
-lane!(
     /// One strand by itself, in single precision.
     F32x1, f32, 1, [0], 4, on_scalars
 );
+#[cfg(not(target_arch = "x86_64"))]
 lane!(
-    /// Eight strands in single precision: one register of 256 bits.
-    F32x8, f32, 8, [0 1 2 3 4 5 6 7], 32, on_bits_256
+    /// Four strands in double precision.
+    F64x4, f64, 4, [0 1 2 3], 32, on_scalars
 );
+#[cfg(not(target_arch = "x86_64"))]
 lane!(
-    /// Sixteen strands in single precision: one register of 512 bits.
-    F32x16, f32, 16, [0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15], 64, on_bits_512
+    /// Eight strands in single precision.
+    F32x8, f32, 8, [0 1 2 3 4 5 6 7], 32, on_scalars
 );
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn roots_are_roots() {
-        for x in [1e-24, 1e-3, 0.5, 1.0, 1.9, 27.0, 1e20] {
-            let (square, sixth) = (1.0 / libm::sqrt(x), 1.0 / libm::sqrt(libm::cbrt(x)));
-            let close = |found: f64, expected: f64, tolerance: f64| {
-                assert!((found / expected - 1.0).abs() < tolerance, "{x}: {found}, expected {expected}");
-            };
-            close(F64x4::splat(x).per_sqrt().get(1), square, 1e-15);
-            close(F64x4::splat(x).per_sixth_root().get(1), sixth, 1e-13);
-            close(F32x8::splat(x).per_sqrt().get(1), square, 2e-7);
-            close(F32x8::splat(x).per_sixth_root().get(1), sixth, 3e-7);
-        }
-        assert_eq!((F64x1::zero().sqrt().get(0), F32x1::zero().sqrt().get(0)), (0.0, 0.0));
-        assert!(F64x1::splat(f64::NAN).sqrt().get(0).is_nan());
-    }
-
-    #[test]
-    fn a_choice_is_made_for_each_strand() {
-        let x = F64x4::from_fn(|lane| lane as f64);
-        let chosen = x.above(F64x4::splat(1.5), F64x4::splat(10.0), -x);
-        assert_eq!(chosen, F64x4([0.0, -1.0, 10.0, 10.0]));
-        assert_eq!(x.largest(), 3.0);
-        assert_eq!((x / F64x4::zero()).largest(), f64::INFINITY);
-    }
-}

@@ -5,9 +5,9 @@ use super::Lane;
 /// Σ terms[k] xᵏ.
 #[inline(always)]
 pub(crate) fn series<L: Lane, const N: usize>(x: L, terms: [f64; N]) -> L {
-    let mut sum = L::splat(terms[N - 1]);
+    let mut sum = x.same(terms[N - 1]);
     for k in (0..N - 1).rev() {
-        sum = sum.mul_add(x, L::splat(terms[k]));
+        sum = sum.mul_add(x, x.same(terms[k]));
     }
     sum
 }
@@ -15,9 +15,9 @@ pub(crate) fn series<L: Lane, const N: usize>(x: L, terms: [f64; N]) -> L {
 /// A root r of x to the power of −1/k, brought closer: r (1 − h)^(−1/k), h = 1 − x rᵏ, by the terms of that series.
 #[inline(always)]
 pub(crate) fn closer<L: Lane>(root: L, rest: L, terms: &[f64]) -> L {
-    let mut sum = L::splat(terms[terms.len() - 1]);
+    let mut sum = root.same(terms[terms.len() - 1]);
     for k in (0..terms.len() - 1).rev() {
-        sum = sum.mul_add(rest, L::splat(terms[k]));
+        sum = sum.mul_add(rest, root.same(terms[k]));
     }
     (root * rest).mul_add(sum, root)
 }
@@ -28,14 +28,14 @@ pub(crate) fn closer<L: Lane>(root: L, rest: L, terms: &[f64]) -> L {
 #[inline(always)]
 pub(crate) fn fade<L: Lane>(x: L) -> L {
     // Of an even longer fade nothing is left either.
-    let down = -x.min(L::splat(80.0));
-    let k = (down * L::splat(core::f64::consts::LOG2_E)).round();
+    let down = -x.min(x.same(80.0));
+    let k = (down * x.same(core::f64::consts::LOG2_E)).round();
     // ln 2 in two parts, so that k times the first is exact.
-    let r = k.mul_add(L::splat(-LN_2_HIGH), down);
-    let r = k.mul_add(L::splat(-LN_2_LOW), r);
+    let r = k.mul_add(x.same(-LN_2_HIGH), down);
+    let r = k.mul_add(x.same(-LN_2_LOW), r);
     let rises = r * series(r, OVER_FACTORIALS);
     let scale = k.exp2_whole();
-    scale.mul_add(rises, scale - L::one())
+    scale.mul_add(rises, scale - x.same(1.0))
 }
 
 /// ln 2 to 11 bits, which leaves room for whole numbers up to 120 in single precision too; and the rest.
@@ -83,26 +83,26 @@ const fn alternating<const N: usize>(first: usize) -> [f64; N] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::F64x4;
+    use crate::lane::F64x1;
 
     #[test]
     fn functions_are_those_of_the_library() {
         for k in 0..2000 {
             let x = f64::from(k) * 1e-3;
             let (angle, long) = (x * 0.39, x * x * x * 6.0);
-            let close = |found: F64x4, expected: f64| {
+            let close = |found: F64x1, expected: f64| {
                 assert!(
-                    (found.get(1) - expected).abs() <= 1e-15 * expected.abs(),
+                    (found.get(0) - expected).abs() <= 1e-15 * expected.abs(),
                     "{x} {found:?} {expected}"
                 );
             };
-            close(fade(F64x4::splat(x)), libm::expm1(-x));
-            close(fade(F64x4::splat(long)), libm::expm1(-long));
-            close(sine_to_quarter(F64x4::splat(angle)), libm::sin(angle));
-            let (cos, share) = cos_and_sine_share(F64x4::splat(angle * angle));
+            close(fade(F64x1::splat(x)), libm::expm1(-x));
+            close(fade(F64x1::splat(long)), libm::expm1(-long));
+            close(sine_to_quarter(F64x1::splat(angle)), libm::sin(angle));
+            let (cos, share) = cos_and_sine_share(F64x1::splat(angle * angle));
             close(cos, libm::cos(angle));
-            close(share * F64x4::splat(angle), libm::sin(angle));
+            close(share * F64x1::splat(angle), libm::sin(angle));
         }
-        assert_eq!(fade(F64x4::splat(f64::INFINITY)).get(0), -1.0);
+        assert_eq!(fade(F64x1::splat(f64::INFINITY)).get(0), -1.0);
     }
 }

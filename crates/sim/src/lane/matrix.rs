@@ -23,14 +23,19 @@ pub(crate) struct Matrix<L> {
 }
 
 impl<L: Lane> Symmetric<L> {
-    #[inline(always)]
     pub fn zero() -> Self {
-        Self::scaled_identity(L::zero())
+        Self::none(L::zero())
+    }
+
+    /// Zero, beside a number that there is.
+    #[inline(always)]
+    pub fn none(like: L) -> Self {
+        Self::scaled_identity(like.same(0.0))
     }
 
     #[inline(always)]
     pub fn scaled_identity(s: L) -> Self {
-        let o = L::zero();
+        let o = s.same(0.0);
         Self { xx: s, xy: o, xz: o, yy: s, yz: o, zz: s }
     }
 
@@ -90,7 +95,7 @@ impl<L: Lane> Symmetric<L> {
         let cxx = minor(self.yy, self.zz, self.yz, self.yz);
         let cxy = minor(self.xz, self.yz, self.xy, self.zz);
         let cxz = minor(self.xy, self.yz, self.xz, self.yy);
-        let one_over = L::one() / self.xx.mul_add(cxx, self.xy.mul_add(cxy, self.xz * cxz));
+        let one_over = cxx.same(1.0) / self.xx.mul_add(cxx, self.xy.mul_add(cxy, self.xz * cxz));
         Self {
             xx: cxx * one_over,
             xy: cxy * one_over,
@@ -112,18 +117,24 @@ impl<L: Lane> Symmetric<L> {
 }
 
 impl<L: Lane> Matrix<L> {
-    #[inline(always)]
     pub fn zero() -> Self {
-        Self { x: Vector::zero(), y: Vector::zero(), z: Vector::zero() }
+        Self::none(L::zero())
     }
 
-    /// The same matrix for all.
+    /// Zero, beside a number that there is.
     #[inline(always)]
-    pub fn splat(m: &Matrix3<f64>) -> Self {
+    pub fn none(like: L) -> Self {
+        let o = Vector::none(like);
+        Self { x: o, y: o, z: o }
+    }
+
+    /// The same matrix for all, beside a number that there is.
+    #[inline(always)]
+    pub fn same(like: L, m: &Matrix3<f64>) -> Self {
         Self {
-            x: Vector::splat(Vec3::new(m.m11, m.m12, m.m13)),
-            y: Vector::splat(Vec3::new(m.m21, m.m22, m.m23)),
-            z: Vector::splat(Vec3::new(m.m31, m.m32, m.m33)),
+            x: Vector::same(like, Vec3::new(m.m11, m.m12, m.m13)),
+            y: Vector::same(like, Vec3::new(m.m21, m.m22, m.m23)),
+            z: Vector::same(like, Vec3::new(m.m31, m.m32, m.m33)),
         }
     }
 
@@ -229,19 +240,19 @@ impl<L: Lane> Matrix<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::F64x4;
+    use crate::lane::F64x1;
 
-    fn lanes(m: &Matrix3<f64>) -> Matrix<F64x4> {
+    fn lanes(m: &Matrix3<f64>) -> Matrix<F64x1> {
         let row = |r: usize| Vector::splat(Vec3::new(m[(r, 0)], m[(r, 1)], m[(r, 2)]));
         Matrix { x: row(0), y: row(1), z: row(2) }
     }
 
-    fn single(m: &Matrix<F64x4>) -> Matrix3<f64> {
-        Matrix3::from_rows(&[m.x, m.y, m.z].map(|row| row.get(1).transpose()))
+    fn single(m: &Matrix<F64x1>) -> Matrix3<f64> {
+        Matrix3::from_rows(&[m.x, m.y, m.z].map(|row| row.get(0).transpose()))
     }
 
-    fn symmetric(m: &Matrix3<f64>) -> Symmetric<F64x4> {
-        let at = |r: usize, c: usize| F64x4::splat(m[(r, c)]);
+    fn symmetric(m: &Matrix3<f64>) -> Symmetric<F64x1> {
+        let at = |r: usize, c: usize| F64x1::splat(m[(r, c)]);
         Symmetric { xx: at(0, 0), xy: at(0, 1), xz: at(0, 2), yy: at(1, 1), yz: at(1, 2), zz: at(2, 2) }
     }
 
@@ -258,7 +269,7 @@ mod tests {
         close(single(&symmetric(&s).inverse().to_matrix()), s.try_inverse().unwrap());
         close(single(&lanes(&m).mul_symmetric(&symmetric(&s))), m * s);
         let inverse = s.try_inverse().unwrap();
-        let commuting = symmetric(&inverse).times_commuting(&symmetric(&s), F64x4::splat(2.0));
+        let commuting = symmetric(&inverse).times_commuting(&symmetric(&s), F64x1::splat(2.0));
         close(single(&commuting.to_matrix()), Matrix3::identity() * 2.0);
         let mut sum = symmetric(&s);
         sum.add_with_transpose(&lanes(&m));

@@ -9,8 +9,8 @@ pub(crate) struct Turn<L> {
 
 impl<L: Lane> Turn<L> {
     #[inline(always)]
-    pub fn identity() -> Self {
-        Self { w: L::one(), v: Vector::zero() }
+    pub fn identity(like: L) -> Self {
+        Self { w: like.same(1.0), v: Vector::none(like) }
     }
 
     /// This after another.
@@ -29,17 +29,17 @@ impl<L: Lane> Turn<L> {
 
     #[inline(always)]
     pub fn rotate(self, a: Vector<L>) -> Vector<L> {
-        let t = self.v.cross(a) * L::splat(2.0);
+        let t = self.v.cross(a) * self.w.same(2.0);
         t.mul_add(self.w, a) + self.v.cross(t)
     }
 
     /// Where the x axis goes.
     #[inline(always)]
     pub fn x_axis(self) -> Vector<L> {
-        let two = L::splat(2.0);
+        let two = self.w.same(2.0);
         let Vector { x, y, z } = self.v;
         Vector::new(
-            (-two).mul_add(y.mul_add(y, z * z), L::one()),
+            (-two).mul_add(y.mul_add(y, z * z), self.w.same(1.0)),
             two * x.mul_add(y, self.w * z),
             two * x.mul_add(z, -(self.w * y)),
         )
@@ -60,14 +60,14 @@ impl<L: Lane> Turn<L> {
     /// This after the turn by 2 arctan(|b|/2) about b: by b itself if b is small, never by more than half a turn.
     #[inline(always)]
     pub fn turned(self, b: Vector<L>) -> Self {
-        Self { w: L::one(), v: b * L::splat(0.5) }.after(self).normalized()
+        Self { w: self.w.same(1.0), v: b * self.w.same(0.5) }.after(self).normalized()
     }
 
     /// Four times the tangent of a quarter of the angle, along the axis (Wiener and Milenkovic): close to the rotation
     /// vector, without a trigonometric function, and smooth up to a whole turn. The shorter of the two ways is taken.
     #[inline(always)]
     pub fn bend(self) -> Vector<L> {
-        let sign = self.w.above(L::zero(), L::one(), -L::one());
-        self.v * (sign * L::splat(4.0) / (L::one() + self.w * sign))
+        let sign = self.w.above(self.w.same(0.0), self.w.same(1.0), -self.w.same(1.0));
+        self.v * (sign * self.w.same(4.0) / (self.w.same(1.0) + self.w * sign))
     }
 }

@@ -1,6 +1,8 @@
 //! Which registers the machine has, and how many strands are stepped side by side in them.
 
-use super::{F32x1, F32x8, F32x16, F64x1, F64x4, F64x8, Lane};
+use super::{F32x1, F32x8, F64x1, F64x4, Lane};
+#[cfg(target_arch = "x86_64")]
+use super::{F32x16, F64x8};
 use crate::Precision;
 use pulp::NullaryFnOnce;
 #[cfg(target_arch = "x86_64")]
@@ -10,6 +12,7 @@ use pulp::x86::{V3, V4};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Registers {
     /// AVX-512.
+    #[cfg(target_arch = "x86_64")]
     Bits512,
     /// AVX2 with fused products and sums, or whatever another processor has.
     Bits256,
@@ -45,10 +48,24 @@ impl Registers {
         Self::Bits256
     }
 
+    /// All that this machine has.
+    #[cfg(test)]
+    pub fn here() -> Vec<Self> {
+        let all = [
+            #[cfg(target_arch = "x86_64")]
+            Self::Bits512,
+            Self::Bits256,
+            Self::Scalar,
+        ];
+        all.into_iter().skip_while(|registers| *registers != Self::widest()).collect()
+    }
+
     /// Does something with lanes that fit.
     pub fn with_lanes<W: WithLanes>(self, precision: Precision, work: W) -> W::Output {
         match (self, precision) {
+            #[cfg(target_arch = "x86_64")]
             (Self::Bits512, Precision::Double) => work.with::<F64x8>(),
+            #[cfg(target_arch = "x86_64")]
             (Self::Bits512, Precision::Single) => work.with::<F32x16>(),
             (Self::Bits256, Precision::Double) => work.with::<F64x4>(),
             (Self::Bits256, Precision::Single) => work.with::<F32x8>(),
@@ -56,26 +73,6 @@ impl Registers {
             (Self::Scalar, Precision::Single) => work.with::<F32x1>(),
         }
     }
-}
-
-/// Calls what was compiled for registers of 512 bits.
-///
-/// # Panics
-/// If there are none.
-#[cfg(target_arch = "x86_64")]
-#[inline(always)]
-pub(super) fn on_bits_512<Op: NullaryFnOnce>(op: Op) -> Op::Output {
-    V4::try_new().expect("a processor with AVX-512").vectorize(op)
-}
-
-/// Calls what was compiled for registers of 256 bits.
-///
-/// # Panics
-/// If there are none.
-#[cfg(target_arch = "x86_64")]
-#[inline(always)]
-pub(super) fn on_bits_256<Op: NullaryFnOnce>(op: Op) -> Op::Output {
-    V3::try_new().expect("a processor with AVX2").vectorize(op)
 }
 
 /// Calls what was compiled for one strand at a time, with fused products and sums if the processor has them.
@@ -90,7 +87,7 @@ pub(super) fn on_any<Op: NullaryFnOnce>(op: Op) -> Op::Output {
 
 /// Other processors that this is compiled for have their registers and fused operations from the start.
 #[cfg(not(target_arch = "x86_64"))]
-pub(super) use {on_scalars as on_any, on_scalars as on_bits_256, on_scalars as on_bits_512};
+pub(super) use on_scalars as on_any;
 
 /// Calls what was compiled for any processor.
 #[inline(always)]
@@ -109,10 +106,7 @@ mod tests {
     #[test]
     fn strands_move_the_same_in_all_registers() {
         let (field, scene, groom) = (gusts(), mannequin(), wig(21, 9));
-        let here = [Registers::Bits512, Registers::Bits256, Registers::Scalar]
-            .into_iter()
-            .skip_while(|registers| *registers != Registers::widest());
-        let here: Vec<Registers> = here.collect();
+        let here = Registers::here();
         for method in [Method::Paper, Method::Physical] {
             for precision in [Precision::Double, Precision::Single] {
                 let options = SimOptions { precision, duration_secs: Some(0.15), ..SimOptions::of(method) };

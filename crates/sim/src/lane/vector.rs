@@ -16,15 +16,26 @@ impl<L: Lane> Vector<L> {
         Self { x, y, z }
     }
 
-    #[inline(always)]
     pub fn zero() -> Self {
-        Self::new(L::zero(), L::zero(), L::zero())
+        Self::none(L::zero())
+    }
+
+    /// Zero, beside a number that there is.
+    #[inline(always)]
+    pub fn none(like: L) -> Self {
+        let o = like.same(0.0);
+        Self::new(o, o, o)
     }
 
     /// The same vector for all.
-    #[inline(always)]
     pub fn splat(v: Vec3) -> Self {
-        Self::new(L::splat(v.x), L::splat(v.y), L::splat(v.z))
+        Self::same(L::zero(), v)
+    }
+
+    /// The same vector for all, beside a number that there is.
+    #[inline(always)]
+    pub fn same(like: L, v: Vec3) -> Self {
+        Self::new(like.same(v.x), like.same(v.y), like.same(v.z))
     }
 
     /// The vector of one strand.
@@ -45,22 +56,15 @@ impl<L: Lane> Vector<L> {
     #[inline(always)]
     pub fn put_single<const N: usize>(&self, rows: &mut [[f32; N]; 3], from: usize) {
         for (row, components) in rows.iter_mut().zip([self.x, self.y, self.z]) {
-            for (lane, number) in row[from..from + L::N].iter_mut().enumerate() {
-                *number = components.get(lane) as f32;
-            }
+            components.to_single(&mut row[from..from + L::N]);
         }
     }
 
-    /// What [`Vector::put_single`] puts.
+    /// What [`Vector::put_single`] puts, beside a number that there is.
     #[inline(always)]
-    pub fn of_single<const N: usize>(rows: &[[f32; N]; 3], from: usize) -> Self {
-        let mut v = Self::zero();
-        for (row, components) in rows.iter().zip([&mut v.x, &mut v.y, &mut v.z]) {
-            for (lane, number) in row[from..from + L::N].iter().enumerate() {
-                components.set(lane, f64::from(*number));
-            }
-        }
-        v
+    pub fn of_single<const N: usize>(like: L, rows: &[[f32; N]; 3], from: usize) -> Self {
+        let row = |axis: usize| like.of_single(&rows[axis][from..from + L::N]);
+        Self::new(row(0), row(1), row(2))
     }
 
     /// The vector of one strand for each, as a function of its place.

@@ -10,8 +10,8 @@ impl<L: Lane> Batch<L> {
     /// it are turned along the strand by the shortest way, so a lock may roll but stores no twist.
     #[inline(always)]
     pub(super) fn bend(&self, work: &mut [Work<L>]) {
-        let mut axes = Turn::identity();
-        let mut rate_before = Vector::zero();
+        let mut axes = Turn::identity(self.damping_secs);
+        let mut rate_before = Vector::none(self.damping_secs);
         for ((stick, motion), work) in self.sticks.iter().zip(&self.motions).zip(work) {
             let direction = motion.direction;
             let carried = axes.rotate(stick.rest_direction);
@@ -33,10 +33,10 @@ fn shortest<L: Lane>(from: Vector<L>, to: Vector<L>) -> (Vector<L>, Turn<L>) {
     let cos = from.dot(to);
     let sin2 = cross.norm_squared();
     let mut angles = cross * series(sin2, ANGLE_OVER_SINE);
-    let mut turn = Turn { w: L::one() + cos, v: cross }.normalized();
+    let mut turn = Turn { w: from.x.same(1.0) + cos, v: cross }.normalized();
     // The series is for less than 10 degrees. What is beyond is rare.
-    let fits = (L::splat(SERIES_SIN2) - sin2).min(cos);
-    if !fits.all_above(L::zero()) {
+    let fits = (from.x.same(SERIES_SIN2) - sin2).min(cos);
+    if !fits.all_above(from.x.same(0.0)) {
         for lane in (0..L::N).filter(|lane| fits.get(*lane) <= 0.0) {
             let (from, to) = (from.get(lane), to.get(lane));
             angles.set(lane, shortest_turn(from, to));

@@ -111,9 +111,9 @@ impl<L: Lane> Contacts<L> {
         if self.colliders.is_empty() {
             return;
         }
-        let twice_dt = L::splat(2.0 * scene.dt_secs);
         for (stick, work) in work.iter().enumerate() {
-            let margin_m = work.velocity.norm_squared().sqrt().mul_add(twice_dt, L::splat(MARGIN_M));
+            let speed = work.velocity.norm_squared().sqrt();
+            let margin_m = speed.mul_add(speed.same(2.0 * scene.dt_secs), speed.same(MARGIN_M));
             // A surface that moves comes nearer by itself.
             let is_still = scene.head.is_none();
             if !(is_still && self.seen[stick].is_far(work.end, margin_m)) {
@@ -125,23 +125,23 @@ impl<L: Lane> Contacts<L> {
     #[inline(always)]
     fn look(&mut self, stick: usize, work: &Work<L>, margin_m: L, scene: &StepScene<'_>) {
         let n = self.seen.len();
-        let mut room_m = L::splat(f64::INFINITY);
+        let mut room_m = margin_m.same(f64::INFINITY);
         for (k, &(collider, on_torso)) in self.colliders.iter().enumerate() {
             let slot = k * n + stick;
             let remembered = &mut self.slots[slot];
             let clearance_m = remembered.clearance_m;
             let (gap, normal) = gaps(&scene.surfaces[collider], work.end);
             room_m = room_m.min(room(gap, clearance_m));
-            let reaches = (clearance_m + margin_m).max(L::zero()) - gap;
-            let touches = reaches.above(L::zero(), L::one(), L::zero());
-            let touches = clearance_m.above(L::splat(f64::NEG_INFINITY), touches, L::zero());
+            let reaches = (clearance_m + margin_m).max(margin_m.same(0.0)) - gap;
+            let touches = reaches.above(margin_m.same(0.0), margin_m.same(1.0), margin_m.same(0.0));
+            let touches = clearance_m.above(margin_m.same(f64::NEG_INFINITY), touches, margin_m.same(0.0));
             remembered.push = remembered.push * touches;
             remembered.rub = remembered.rub * touches;
-            if !touches.any_above(L::zero()) {
+            if !touches.any_above(margin_m.same(0.0)) {
                 continue;
             }
             let room_m = gap - clearance_m;
-            let on_surface = L::splat(ON_SURFACE_M) - room_m.max(-room_m);
+            let on_surface = margin_m.same(ON_SURFACE_M) - room_m.max(-room_m);
             let surface_velocity =
                 Vector::from_fn(|lane| scene.surface_velocity(on_torso, work.end.get(lane)));
             self.touching.push(Touch {
@@ -149,7 +149,7 @@ impl<L: Lane> Contacts<L> {
                 stick,
                 touches,
                 normal,
-                room_m: on_surface.above(L::zero(), L::zero(), room_m),
+                room_m: on_surface.above(margin_m.same(0.0), margin_m.same(0.0), room_m),
                 surface_velocity,
             });
         }
@@ -180,8 +180,14 @@ impl<L: Lane> Contacts<L> {
             return;
         }
         for _ in 0..SWEEPS {
-            self.sweep(sticks, motions, work, L::splat(friction), L::splat(1.0 / dt_secs));
-            let mut pull = Vector::zero();
+            self.sweep(
+                sticks,
+                motions,
+                work,
+                sticks[0].length.same(friction),
+                sticks[0].length.same(1.0 / dt_secs),
+            );
+            let mut pull = Vector::none(sticks[0].length);
             for j in (0..sticks.len()).rev() {
                 pull += self.corrections[j];
                 let turns = sticks[j].length * work[j].step.rate_per_torque;
@@ -202,9 +208,9 @@ impl<L: Lane> Contacts<L> {
         friction: L,
         per_dt: L,
     ) {
-        let mut velocity = Vector::zero();
+        let mut velocity = Vector::none(friction);
         // Velocity that a force at the present point gives it within the step, (m/s)/N.
-        let mut mobility = Symmetric::zero();
+        let mut mobility = Symmetric::none(friction);
         let mut next = 0;
         for j in 0..sticks.len() {
             let (Motion { direction, rate }, length) = (motions[j], sticks[j].length);
@@ -212,7 +218,7 @@ impl<L: Lane> Contacts<L> {
             let yields = length * length * work[j].step.rate_per_torque;
             mobility.add_identity(yields);
             mobility.add_outer(direction, -yields);
-            self.corrections[j] = Vector::zero();
+            self.corrections[j] = Vector::none(friction);
             while next < self.touching.len() && self.touching[next].stick == j {
                 let touch = &self.touching[next];
                 let change = self.slots[touch.slot].correct(touch, velocity, &mobility, friction, per_dt);
@@ -236,15 +242,15 @@ impl<L: Lane> Contacts<L> {
         for (stick, seen) in self.seen.iter().enumerate() {
             let length = sticks[stick].length;
             let direction = &mut motions[stick].direction;
-            if !seen.is_far(direction.mul_add(length, near), L::zero()) {
+            if !seen.is_far(direction.mul_add(length, near), root.x.same(0.0)) {
                 for _ in 0..MAX_PUSHES {
                     let (out, deepest) = self.way_out(direction.mul_add(length, near), stick, scene);
-                    let inside = deepest.above(L::splat(ON_SURFACE_M), L::one(), L::zero());
-                    if !inside.any_above(L::zero()) {
+                    let inside = deepest.above(root.x.same(ON_SURFACE_M), root.x.same(1.0), root.x.same(0.0));
+                    if !inside.any_above(root.x.same(0.0)) {
                         break;
                     }
                     let turned = direction.mul_add(length, out).normalized();
-                    *direction = Vector::where_above(inside, L::zero(), turned, *direction);
+                    *direction = Vector::where_above(inside, root.x.same(0.0), turned, *direction);
                 }
             }
             near = direction.mul_add(length, near);
@@ -254,7 +260,7 @@ impl<L: Lane> Contacts<L> {
     /// How far and where a point must go to leave the collider it is in deepest, and how deep that is, m.
     #[inline(always)]
     fn way_out(&self, point: Vector<L>, stick: usize, scene: &StepScene<'_>) -> (Vector<L>, L) {
-        let (mut out, mut deepest) = (Vector::zero(), L::splat(ON_SURFACE_M));
+        let (mut out, mut deepest) = (Vector::none(point.x), point.x.same(ON_SURFACE_M));
         for (k, (collider, _)) in self.colliders.iter().enumerate() {
             let (gap, normal) = gaps(&scene.surfaces[*collider], point);
             let depth = self.slots[k * self.seen.len() + stick].clearance_m - gap;
@@ -273,16 +279,16 @@ const MAX_PUSHES: usize = 8;
 /// order: it may shrink twice as fast as the point moves.
 #[inline(always)]
 fn room<L: Lane>(gap: L, clearance_m: L) -> L {
-    let never = L::splat(f64::NEG_INFINITY);
-    let room_m = (gap - clearance_m.max(L::zero())) * L::splat(0.5);
-    clearance_m.above(never, room_m, L::splat(f64::INFINITY))
+    let never = gap.same(f64::NEG_INFINITY);
+    let room_m = (gap - clearance_m.max(gap.same(0.0))) * gap.same(0.5);
+    clearance_m.above(never, room_m, gap.same(f64::INFINITY))
 }
 
 impl<L: Lane> Seen<L> {
     /// Whether no strand's point can have come within a margin of anything, now that it is at a place.
     #[inline(always)]
     fn is_far(&self, place: Vector<L>, margin_m: L) -> bool {
-        let room_m = (self.room_m - margin_m).max(L::zero());
+        let room_m = (self.room_m - margin_m).max(margin_m.same(0.0));
         (room_m * room_m).all_above((place - self.place).norm_squared())
     }
 }
@@ -290,7 +296,7 @@ impl<L: Lane> Seen<L> {
 /// How far a point goes along a direction for each newton.
 #[inline(always)]
 fn yields<L: Lane>(mobility: &Symmetric<L>, along: Vector<L>) -> L {
-    along.dot(mobility.mul_vector(along)).max(L::splat(1e-30))
+    along.dot(mobility.mul_vector(along)).max(along.x.same(1e-30))
 }
 
 impl<L: Lane> Slot<L> {
@@ -304,29 +310,29 @@ impl<L: Lane> Slot<L> {
         friction: L,
         per_dt: L,
     ) -> Vector<L> {
-        let tiny = L::splat(1e-30);
+        let tiny = friction.same(1e-30);
         let normal = touch.normal;
         let before = normal.mul_add(self.push, self.rub);
         let approach = touch.room_m.mul_add(per_dt, velocity.dot(normal));
-        if !self.push.any_above(L::zero()) && !L::zero().any_above(approach) {
+        if !self.push.any_above(friction.same(0.0)) && !friction.same(0.0).any_above(approach) {
             // Nothing pushes, and nothing comes so near that it has to.
-            return Vector::zero();
+            return Vector::none(friction);
         }
-        let push = (self.push - approach / yields(mobility, normal)).max(L::zero());
+        let push = (self.push - approach / yields(mobility, normal)).max(friction.same(0.0));
         // Nothing is done about what is not finite, nor for a strand that does not touch.
-        let done = L::splat(f64::from(f32::MAX)).above(push, touch.touches, L::zero());
+        let done = friction.same(f64::from(f32::MAX)).above(push, touch.touches, friction.same(0.0));
         let sliding =
             velocity + mobility.mul_vector(normal.mul_add(push, self.rub) - before) - touch.surface_velocity;
         let sliding = sliding - normal * normal.dot(sliding);
         let speed = sliding.norm_squared().sqrt();
-        let along = sliding * (L::one() / speed.max(tiny));
+        let along = sliding * (friction.same(1.0) / speed.max(tiny));
         let bound = friction * push;
         let mut rub = self.rub - along * (speed / yields(mobility, along)).min(bound + bound);
         let rubs = rub.norm_squared().sqrt();
-        rub = rub * (bound / rubs.max(tiny)).min(L::one());
-        self.push = done.above(L::zero(), push, self.push);
-        self.rub = Vector::where_above(done, L::zero(), rub, self.rub);
+        rub = rub * (bound / rubs.max(tiny)).min(friction.same(1.0));
+        self.push = done.above(friction.same(0.0), push, self.push);
+        self.rub = Vector::where_above(done, friction.same(0.0), rub, self.rub);
         let after = normal.mul_add(self.push, self.rub);
-        Vector::where_above(done, L::zero(), after - before, Vector::zero())
+        Vector::where_above(done, friction.same(0.0), after - before, Vector::none(friction))
     }
 }

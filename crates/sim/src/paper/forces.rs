@@ -11,7 +11,7 @@ impl<L: Lane> Batch<L> {
     /// g and Ξ of E2: gravity turned into head axes, and the inertia of a head that speeds up or turns.
     #[inline(always)]
     pub(super) fn weigh(&mut self, work: &mut [Work<L>], scene: &StepScene<'_>) {
-        let gravity = Vector::splat(scene.gravity);
+        let gravity = Vector::same(self.damping_secs, scene.gravity);
         for (stick, work) in self.sticks.iter().zip(&mut *work) {
             work.force = gravity * stick.mass;
         }
@@ -22,16 +22,16 @@ impl<L: Lane> Batch<L> {
 
     #[inline(always)]
     fn move_head(&mut self, work: &mut [Work<L>], head: &HeadMotion, dt_secs: f64) {
-        let turning = Vector::splat(head.angular_velocity);
-        let speeding_up = Vector::splat(head.angular_acceleration);
-        let acceleration = Vector::splat(head.acceleration);
+        let turning = Vector::same(self.damping_secs, head.angular_velocity);
+        let speeding_up = Vector::same(self.damping_secs, head.angular_acceleration);
+        let acceleration = Vector::same(self.damping_secs, head.acceleration);
         for ((stick, motion), work) in self.sticks.iter().zip(&mut self.motions).zip(work) {
             let felt = acceleration + speeding_up.cross(work.end) + turning.cross(turning.cross(work.end));
             work.force -= felt * stick.mass;
             // Coriolis' force on a stick turns its rate about the stick and changes nothing else of it. To turn
             // the rate by that angle is exact for a stick alone and keeps its energy for every step.
-            let angle = turning.dot(motion.direction) * L::splat(-2.0 * dt_secs);
-            let (mut cos, mut sin) = (L::zero(), L::zero());
+            let angle = turning.dot(motion.direction) * self.damping_secs.same(-2.0 * dt_secs);
+            let (mut cos, mut sin) = (self.damping_secs.same(0.0), self.damping_secs.same(0.0));
             for lane in 0..L::N {
                 let (s, c) = libm::sincos(angle.get(lane));
                 sin.set(lane, s);
@@ -45,8 +45,8 @@ impl<L: Lane> Batch<L> {
     #[inline(always)]
     pub(super) fn blow(&self, work: &mut [Work<L>], model: &PaperModel, scene: &StepScene<'_>) {
         self.feel_wind(work, scene.wind.as_ref());
-        let half = L::splat(0.5);
-        let mut near_velocity = Vector::zero();
+        let half = self.damping_secs.same(0.5);
+        let mut near_velocity = Vector::none(self.damping_secs);
         let mut near = self.root;
         for j in 0..work.len() {
             let (far, far_velocity) = (work[j].end, work[j].velocity);
@@ -58,10 +58,11 @@ impl<L: Lane> Batch<L> {
             let (wind, push) = match model.terms.quantity {
                 Quantity::AirVelocity => {
                     let middle = (near + far) * half;
-                    let head = scene.head.as_ref().map_or(Vector::zero(), |head| {
-                        Vector::splat(head.velocity) + Vector::splat(head.angular_velocity).cross(middle)
+                    let head = scene.head.as_ref().map_or(Vector::none(self.damping_secs), |head| {
+                        Vector::same(self.damping_secs, head.velocity)
+                            + Vector::same(self.damping_secs, head.angular_velocity).cross(middle)
                     });
-                    (work[j].wind - head, Vector::zero())
+                    (work[j].wind - head, Vector::none(self.damping_secs))
                 }
                 Quantity::ForcePerMass => {
                     wind_that_pushes(model, stick, work[j].wind * stick.density, direction)
@@ -82,7 +83,7 @@ impl<L: Lane> Batch<L> {
     #[inline(always)]
     fn feel_wind(&self, work: &mut [Work<L>], wind: Option<&Moment<'_>>) {
         let Some(wind) = wind else { return };
-        let half = L::splat(0.5);
+        let half = self.damping_secs.same(0.5);
         let mut before = self.root;
         let mut points = [[0.0; SAMPLED_AT_ONCE]; 3];
         for sticks in work.chunks_mut(SAMPLED_AT_ONCE / L::N) {
@@ -92,7 +93,7 @@ impl<L: Lane> Batch<L> {
             }
             let winds = sample(wind, &points);
             for (k, work) in sticks.iter_mut().enumerate() {
-                work.wind = Vector::of_single(&winds, k * L::N);
+                work.wind = Vector::of_single(self.damping_secs, &winds, k * L::N);
             }
         }
     }
@@ -109,14 +110,15 @@ fn air_on_stick<L: Lane>(
     let relative = wind - velocity;
     let speed_along = relative.dot(direction);
     let across = direction.mul_add(-speed_along, relative);
-    let speed2 = across.norm_squared().max(L::splat(STILL2));
+    let speed2 = across.norm_squared().max(stick.length.same(STILL2));
     let per_third = speed2.per_sixth_root();
     let per_two_thirds = per_third * per_third;
     let per_speed = per_two_thirds * per_third;
     let speed = speed2 * per_speed;
     let drag = stick.drag * stick.hair_length;
     let resists_across = drag * stick.viscous.mul_add(speed * per_two_thirds, speed);
-    let skin = drag * L::splat(core::f64::consts::PI * DragLaw::ALONG) * speed_along.max(-speed_along);
+    let skin =
+        drag * stick.length.same(core::f64::consts::PI * DragLaw::ALONG) * speed_along.max(-speed_along);
     let force = across.mul_add(resists_across, direction * (skin * speed_along));
     let resists_along = skin + skin;
     let mut resistance = Symmetric::scaled_identity(resists_across);
@@ -140,32 +142,32 @@ fn wind_that_pushes<L: Lane>(
     direction: Vector<L>,
 ) -> (Vector<L>, Vector<L>) {
     if !model.terms.air {
-        return (Vector::zero(), push);
+        return (Vector::none(stick.length), push);
     }
     let along = direction * direction.dot(push);
     let across = push - along;
     let strength = across.norm_squared().sqrt();
     let speed = speed_across(stick, strength);
-    (across * (speed / strength.max(L::splat(1e-30))), along)
+    (across * (speed / strength.max(stick.length.same(1e-30))), along)
 }
 
 /// [`DragLaw::speed_across`] for many strands, each as if it were alone.
 #[inline(always)]
 fn speed_across<L: Lane>(stick: &Stick<L>, force: L) -> L {
-    let tiny = L::splat(1e-30);
+    let tiny = force.same(1e-30);
     let drag = stick.drag.max(tiny);
     let mut speed = (force / drag).sqrt();
     // 1 for a strand whose speed is not found yet.
-    let mut active = force.above(L::zero(), L::one(), L::zero());
+    let mut active = force.above(force.same(0.0), force.same(1.0), force.same(0.0));
     for _ in 0..20 {
         // Of u² + b u^(4/3), and its slope.
         let viscous = stick.viscous * speed.cbrt();
         let over = (speed + viscous) * speed - force / drag;
-        let slope = (speed + speed) + viscous * L::splat(4.0 / 3.0);
+        let slope = (speed + speed) + viscous * force.same(4.0 / 3.0);
         let step = over / slope.max(tiny) * active;
         speed -= step;
-        active = step.max(-step).above(speed * L::splat(1e-12), active, L::zero());
-        if !active.any_above(L::zero()) {
+        active = step.max(-step).above(speed * force.same(1e-12), active, force.same(0.0));
+        if !active.any_above(force.same(0.0)) {
             break;
         }
     }

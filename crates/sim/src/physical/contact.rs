@@ -94,23 +94,24 @@ pub(super) fn depth_of(give_m: f64) -> f64 {
 pub(crate) fn gaps<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L>) {
     match surface.shape() {
         SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => {
-            let to_sphere = Matrix::splat(to_sphere);
-            let scaled = to_sphere.mul_vector(place - Vector::splat(*center_m));
+            let to_sphere = Matrix::same(place.x, to_sphere);
+            let scaled = to_sphere.mul_vector(place - Vector::same(place.x, *center_m));
             let level = scaled.norm_squared().sqrt();
             let gradient = to_sphere.transpose_mul(scaled);
             let flattest = 1e-9 / *shortest_half_axis_m;
-            let per_slope = gradient.norm_squared().max(L::splat(flattest * flattest)).per_sqrt();
+            let per_slope = gradient.norm_squared().max(place.x.same(flattest * flattest)).per_sqrt();
             // (level − 1) / |∇level|, and ∇level = gradient / level.
-            ((level - L::one()) * level * per_slope, gradient * per_slope)
+            ((level - place.x.same(1.0)) * level * per_slope, gradient * per_slope)
         }
         SurfaceShape::Capsule { a_m, axis, per_length2, radius_m } => {
-            let from_a = place - Vector::splat(*a_m);
-            let axis = Vector::splat(*axis);
-            let share = (from_a.dot(axis) * L::splat(*per_length2)).max(L::zero()).min(L::one());
+            let from_a = place - Vector::same(place.x, *a_m);
+            let axis = Vector::same(place.x, *axis);
+            let share =
+                (from_a.dot(axis) * place.x.same(*per_length2)).max(place.x.same(0.0)).min(place.x.same(1.0));
             let away = from_a - axis * share;
             let distance2 = away.norm_squared();
-            let per_distance = distance2.max(L::splat(TINY2)).per_sqrt();
-            (distance2 * per_distance - L::splat(*radius_m), away * per_distance)
+            let per_distance = distance2.max(place.x.same(TINY2)).per_sqrt();
+            (distance2 * per_distance - place.x.same(*radius_m), away * per_distance)
         }
         SurfaceShape::Mesh { .. } => looked_up(surface, place),
     }
@@ -145,14 +146,14 @@ impl<L: Lane> Touchable<L> {
         for (stick, place) in places.enumerate() {
             let Some(limit_m) = self.limit_within(surface, stick, place, margin_m) else {
                 if !again {
-                    self.pushes[stick] = L::zero();
-                    self.slips[stick] = Vector::zero();
+                    self.pushes[stick] = margin_m.same(0.0);
+                    self.slips[stick] = Vector::none(margin_m);
                 }
                 continue;
             };
             match self.near.iter_mut().find(|near| again && near.stick == stick) {
                 Some(near) => near.limit_m = near.limit_m.max(limit_m),
-                None => self.near.push(Near { stick, limit_m, place, bearing: Bearing::none() }),
+                None => self.near.push(Near { stick, limit_m, place, bearing: Bearing::none(limit_m) }),
             }
         }
     }
@@ -164,8 +165,8 @@ impl<L: Lane> Touchable<L> {
         let (gap, _) = gaps(surface, place);
         let room = gap - limit_m - margin_m;
         // A NaN counts as near.
-        let is_far = room.all_above(L::zero());
-        (!is_far).then(|| room.above(L::zero(), L::splat(f64::NEG_INFINITY), limit_m))
+        let is_far = room.all_above(margin_m.same(0.0));
+        (!is_far).then(|| room.above(margin_m.same(0.0), margin_m.same(f64::NEG_INFINITY), limit_m))
     }
 
     /// What the surface does to all that may touch. `at`: place and velocity of a stick's end.
@@ -180,7 +181,7 @@ impl<L: Lane> Touchable<L> {
         at: impl Fn(usize) -> (Vector<L>, Vector<L>),
         firmness: Firmness<L>,
     ) -> L {
-        let mut off2 = L::zero();
+        let mut off2 = firmness.give.same(0.0);
         for near in &mut self.near {
             let history = (self.pushes[near.stick], self.slips[near.stick]);
             let (place, velocity) = at(near.stick);
@@ -204,9 +205,9 @@ impl<L: Lane> Touchable<L> {
 }
 
 impl<L: Lane> Bearing<L> {
-    fn none() -> Self {
-        let o = Vector::zero();
-        Self { push: L::zero(), slip: o, slope: o, hessian: Symmetric::zero() }
+    fn none(like: L) -> Self {
+        let o = Vector::none(like);
+        Self { push: like.same(0.0), slip: o, slope: o, hessian: Symmetric::none(like) }
     }
 }
 
@@ -224,41 +225,45 @@ fn bear<L: Lane>(
     Firmness { stiffness, give, per_h, dt }: Firmness<L>,
 ) -> Bearing<L> {
     let (gap, normal) = gaps(&moving.surface, place);
-    let depth = (limit_m - gap).max(L::zero());
-    if !depth.any_above(L::zero()) {
-        return Bearing::none();
+    let depth = (limit_m - gap).max(limit_m.same(0.0));
+    if !depth.any_above(limit_m.same(0.0)) {
+        return Bearing::none(limit_m);
     }
-    let fringe = L::splat(FRINGE_M);
+    let fringe = limit_m.same(FRINGE_M);
     let soft = depth.min(fringe);
-    let spring = (soft * soft * L::splat(0.5 / FRINGE_M) + (depth - soft)) * stiffness;
-    let share = soft * L::splat(1.0 / FRINGE_M);
+    let spring = (soft * soft * limit_m.same(0.5 / FRINGE_M) + (depth - soft)) * stiffness;
+    let share = soft * limit_m.same(1.0 / FRINGE_M);
     // A critical dashpot that only resists, never pulls: what touches does not bounce.
-    let ground = Vector::splat(moving.velocity) + Vector::splat(moving.angular_velocity).cross(place);
+    let ground =
+        Vector::same(limit_m, moving.velocity) + Vector::same(limit_m, moving.angular_velocity).cross(place);
     let relative = velocity - ground;
     let leaving = relative.dot(normal);
-    let dashpot = stiffness * share * L::splat(2.0 / CONTACT_RATE);
-    let push = (spring - dashpot * leaving).max(L::zero());
+    let dashpot = stiffness * share * limit_m.same(2.0 / CONTACT_RATE);
+    let push = (spring - dashpot * leaving).max(limit_m.same(0.0));
     // In the fringe the dashpot grows with the depth. What comes is met by it; what leaves is not let go for it.
-    let stiffens =
-        (fringe - depth).above(L::zero(), stiffness * L::splat(2.0 / CONTACT_RATE / FRINGE_M), L::zero());
-    let rise = (-leaving).max(L::zero()).mul_add(stiffens, stiffness * share + dashpot * per_h);
-    let rise = push.above(L::zero(), rise, L::zero());
-    let mut hessian = Symmetric::zero();
+    let stiffens = (fringe - depth).above(
+        limit_m.same(0.0),
+        stiffness * limit_m.same(2.0 / CONTACT_RATE / FRINGE_M),
+        limit_m.same(0.0),
+    );
+    let rise = (-leaving).max(limit_m.same(0.0)).mul_add(stiffens, stiffness * share + dashpot * per_h);
+    let rise = push.above(limit_m.same(0.0), rise, limit_m.same(0.0));
+    let mut hessian = Symmetric::none(limit_m);
     let mut slope = -(normal * push);
     if model.friction == 0.0 {
         hessian.add_outer(normal, rise);
-        return Bearing { push, slip: Vector::zero(), slope, hessian };
+        return Bearing { push, slip: Vector::none(limit_m), slope, hessian };
     }
     // The limit goes by the push a step ago, so that friction does not wait for a push that waits for it.
-    let held = depth.above(L::zero(), push_before, L::zero());
-    let limit = held * L::splat(model.friction) * give;
+    let held = depth.above(limit_m.same(0.0), push_before, limit_m.same(0.0));
+    let limit = held * limit_m.same(model.friction) * give;
     let along = relative - normal * leaving;
     let slip = slip_before - normal * slip_before.dot(normal) + along * dt;
-    let pull = slip + along * L::splat(RUB_SECS);
+    let pull = slip + along * limit_m.same(RUB_SECS);
     let share = share_within(limit, pull);
     let rub = stiffness * share;
     slope += pull * rub;
-    let rub_rise = rub * (dt + L::splat(RUB_SECS)) * per_h;
+    let rub_rise = rub * (dt + limit_m.same(RUB_SECS)) * per_h;
     hessian.add_identity(rub_rise);
     hessian.add_outer(normal, rise - rub_rise);
     Bearing { push, slip: slip * share_within(limit, slip), slope, hessian }
@@ -267,8 +272,8 @@ fn bear<L: Lane>(
 /// The share of a way that is no longer than a limit, at most the whole.
 #[inline(always)]
 fn share_within<L: Lane>(limit: L, way: Vector<L>) -> L {
-    let per_way = way.norm_squared().max(L::splat(TINY2)).per_sqrt();
-    (limit * per_way).min(L::one())
+    let per_way = way.norm_squared().max(limit.same(TINY2)).per_sqrt();
+    (limit * per_way).min(limit.same(1.0))
 }
 
 /// How near a point may come before it is pushed, from how near it lies at rest and what bears it there.
@@ -279,8 +284,8 @@ pub(super) fn limit_m(clearance_m: f64, bearing_n: f64, stiffness: f64) -> f64 {
 /// [`Gap`] of one point, for tests that hold the two against each other.
 #[cfg(test)]
 pub(super) fn gap_of(surface: &Surface, place: Vec3) -> tousle_rod::Gap {
-    use crate::lane::F64x4;
-    let (distance, normal) = gaps::<F64x4>(surface, Vector::splat(place));
+    use crate::lane::F64x1;
+    let (distance, normal) = gaps::<F64x1>(surface, Vector::splat(place));
     tousle_rod::Gap { distance_m: distance.get(0), normal: normal.get(0) }
 }
 

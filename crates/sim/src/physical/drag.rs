@@ -12,8 +12,8 @@ pub(super) struct Push<L> {
 impl<L: Lane> Push<L> {
     /// No air.
     #[inline(always)]
-    pub fn none() -> Self {
-        Self { force: Vector::zero(), slope: Symmetric::zero() }
+    pub fn none(like: L) -> Self {
+        Self { force: Vector::none(like), slope: Symmetric::none(like) }
     }
 }
 
@@ -26,7 +26,7 @@ pub(super) fn push<L: Lane>(link: &Link<L>, along: L, direction: Vector<L>, wind
     let speed_along = wind.dot(direction);
     let across = direction.mul_add(-speed_along, wind);
     // Below a speed that nothing feels, that speed: its powers are finite, and what they multiply is next to nothing.
-    let speed2 = across.norm_squared().max(L::splat(STILL2));
+    let speed2 = across.norm_squared().max(along.same(STILL2));
     let per_third = speed2.per_sixth_root();
     let per_two_thirds = per_third * per_third;
     let per_speed = per_two_thirds * per_third;
@@ -37,7 +37,7 @@ pub(super) fn push<L: Lane>(link: &Link<L>, along: L, direction: Vector<L>, wind
     let skin = link.drag * along * speed_along.max(-speed_along);
     let force = across.mul_add(resistance, direction * (skin * speed_along));
     // d(K u)/du = K + (u² and u^4/3 rise faster than u by 1 and a third).
-    let windward = viscous.mul_add(L::splat(1.0 / 3.0), inertial) * per_speed * per_speed;
+    let windward = viscous.mul_add(along.same(1.0 / 3.0), inertial) * per_speed * per_speed;
     let mut slope = Symmetric::scaled_identity(resistance);
     slope.add_outer(across, windward);
     slope.add_outer(direction, skin + skin - resistance);

@@ -156,7 +156,7 @@ impl<L: Lane> Batch<L> {
         self.load_swing(swing, work, model, now, later);
         self.eliminate_turns(swing, work, now, later);
         let head = head_spin(now);
-        let mut outwards = Outwards::at_root();
+        let mut outwards = Outwards::at_root(L::zero());
         // The head's axes turn under the spin.
         let sticks = self.links.iter().zip(&*work).zip(&swing.spins);
         let accelerations = sticks.map(|((link, work), spin)| outwards.next(link, work) - head.cross(*spin));
@@ -169,7 +169,7 @@ impl<L: Lane> Batch<L> {
     /// From the tip: every stick's angular acceleration eliminated.
     #[inline(always)]
     fn eliminate_turns(&self, swing: &Swing<L>, work: &mut [Work<L>], now: &Now<'_>, later: L) {
-        let mut further_out = FurtherOut::nothing();
+        let mut further_out = FurtherOut::nothing(L::zero());
         for j in (0..work.len()).rev() {
             let (link, here) = (&self.links[j], &mut work[j]);
             let (turn_before, spin_before) = match j {
@@ -282,7 +282,7 @@ impl<L: Lane> Batch<L> {
             (0..work.len()).map(|j| if j % 2 == 0 { start } else { -start }).collect();
         let mut squared = L::zero();
         for _ in 0..POWER_ITERATIONS {
-            let mut further_out = FurtherOut::nothing();
+            let mut further_out = FurtherOut::nothing(L::zero());
             for j in (0..work.len()).rev() {
                 let link = &self.links[j];
                 let before = if j > 0 { turns[j - 1] } else { Vector::zero() };
@@ -291,7 +291,7 @@ impl<L: Lane> Batch<L> {
                 further_out.eliminate(&mut work[j], link.length, joint, link.rotary, L::zero());
             }
             let size2 = turns.iter().fold(L::zero(), |sum, t| sum + t.norm_squared());
-            let mut outwards = Outwards::at_root();
+            let mut outwards = Outwards::at_root(L::zero());
             for ((turn, link), work) in turns.iter_mut().zip(&self.links).zip(&*work) {
                 *turn = -outwards.next(link, work);
             }

@@ -118,7 +118,7 @@ impl<L: Lane> Batch<L> {
         }
         self.at_rest = false;
         // After a cut the hair goes along, with the shape and the velocities it had, as the head sees them.
-        let moved = carry.filter(|carry| !carry.is_cut).map(Moved::new);
+        let moved = carry.filter(|carry| !carry.is_cut).map(|carry| Moved::new(carry, self.contact_give));
         if let Some(moved) = &moved {
             self.carry_slips(moved, now);
         }
@@ -137,35 +137,35 @@ impl<L: Lane> Batch<L> {
     fn settle(&mut self, work: &mut [Work<L>], model: &Model, now: &Now<'_>, weights: &Weights<L>) {
         let square = |tolerance_m: f64| {
             let tolerance_m = f64::max(tolerance_m, model.resolution_m);
-            L::splat(tolerance_m * tolerance_m)
+            weights.h.same(tolerance_m * tolerance_m)
         };
         let h_secs = weights.h.get(0);
         let (settled2, felt2) = (square(model.settled_m(h_secs)), square(model.felt_m(h_secs)));
         // 1 for a strand that still moves, 0 for one that has settled, whatever its neighbors in the batch do.
-        let mut active = L::one();
-        let (mut moved2, mut moved2_before) = (L::zero(), L::zero());
+        let mut active = weights.h.same(1.0);
+        let (mut moved2, mut moved2_before) = (weights.h.same(0.0), weights.h.same(0.0));
         let mut contraction2 = self.contraction2;
-        self.contraction2 = (self.contraction2 * L::splat(FORGOTTEN2)).min(L::one());
+        self.contraction2 = (self.contraction2 * weights.h.same(FORGOTTEN2)).min(weights.h.same(1.0));
         // Within how much of the places contacts have been looked for.
-        let mut room_m = L::splat(-1.0);
+        let mut room_m = weights.h.same(-1.0);
         for updates in 0.. {
-            if L::zero().any_above(room_m) {
+            if weights.h.same(0.0).any_above(room_m) {
                 room_m = self.look_for_contacts(work, now, updates > 0);
             }
             let off2 = self.feel_contacts(work, model, now, weights);
             if updates > 1 {
-                let measured2 = (moved2 / moved2_before.max(L::splat(TINY2)) * L::splat(DOUBT2))
-                    .max(L::splat(BEST_CONTRACTION2))
-                    .min(L::one());
-                contraction2 = if share_of_way(updates - 1) < 1.0 { L::one() } else { measured2 };
+                let measured2 = (moved2 / moved2_before.max(weights.h.same(TINY2)) * weights.h.same(DOUBT2))
+                    .max(weights.h.same(BEST_CONTRACTION2))
+                    .min(weights.h.same(1.0));
+                contraction2 = if share_of_way(updates - 1) < 1.0 { weights.h.same(1.0) } else { measured2 };
                 if updates == 2 {
-                    self.contraction2 = active.above(L::zero(), measured2, self.contraction2);
+                    self.contraction2 = active.above(weights.h.same(0.0), measured2, self.contraction2);
                 }
             }
             if updates > 0 {
                 let expected2 = moved2 * contraction2;
-                active = expected2.above(settled2, active, off2.above(felt2, active, L::zero()));
-                if !active.any_above(L::zero()) {
+                active = expected2.above(settled2, active, off2.above(felt2, active, weights.h.same(0.0)));
+                if !active.any_above(weights.h.same(0.0)) {
                     return;
                 }
             }
@@ -176,7 +176,7 @@ impl<L: Lane> Batch<L> {
             }
             self.count.iterations += self.n_above_zero(active);
             self.sweep_inwards(work, model, now, weights);
-            let way = active * L::splat(share_of_way(updates));
+            let way = active * weights.h.same(share_of_way(updates));
             moved2_before = moved2;
             moved2 = sweep_outwards(self.root, &self.links, work, way);
             room_m -= moved2.sqrt() * way;
@@ -211,7 +211,7 @@ impl<L: Lane> Batch<L> {
         weights: &Weights<L>,
         formula: Formula,
     ) {
-        let (now, before) = (L::splat(formula.now), L::splat(formula.before));
+        let (now, before) = (weights.h.same(formula.now), weights.h.same(formula.before));
         let mut end = self.root;
         for ((link, state), work) in self.links.iter().zip(&mut self.states).zip(work) {
             if let Some(moved) = moved {
@@ -236,10 +236,10 @@ impl<L: Lane> Batch<L> {
     #[inline(always)]
     pub(super) fn feel_wind(&self, work: &mut [Work<L>], model: &Model, now: &Now<'_>) {
         let (true, Some(wind)) = (model.air || model.pushes, &now.wind) else {
-            work.iter_mut().for_each(|work| work.wind = Vector::zero());
+            work.iter_mut().for_each(|work| work.wind = Vector::none(self.contact_give));
             return;
         };
-        let half = L::splat(0.5);
+        let half = self.contact_give.same(0.5);
         let mut before = self.root;
         let mut points = [[0.0; SAMPLED_AT_ONCE]; 3];
         let n_together = SAMPLED_AT_ONCE / L::N;
@@ -250,7 +250,7 @@ impl<L: Lane> Batch<L> {
             }
             let winds = sample(wind, &points);
             for (k, work) in sticks.iter_mut().enumerate() {
-                let found = Vector::of_single(&winds, k * L::N);
+                let found = Vector::of_single(self.contact_give, &winds, k * L::N);
                 let stick = chunk * n_together + k;
                 work.wind = model.force_law.as_ref().map_or(found, |law| {
                     Vector::from_fn(|lane| self.wind_of_force(law, (stick, lane), found.get(lane)))
@@ -275,13 +275,13 @@ impl<L: Lane> Batch<L> {
     #[inline(always)]
     fn look_for_contacts(&mut self, work: &[Work<L>], now: &Now<'_>, again: bool) -> L {
         if self.touchable.is_empty() {
-            return L::splat(f64::INFINITY);
+            return self.contact_give.same(f64::INFINITY);
         }
-        let mut way2 = L::zero();
+        let mut way2 = self.contact_give.same(0.0);
         for (state, work) in self.states.iter().zip(work) {
             way2 = way2.max((work.place - state.place).norm_squared());
         }
-        let margin_m = way2.sqrt().mul_add(L::splat(0.25), L::splat(LOOK_M));
+        let margin_m = way2.sqrt().mul_add(self.contact_give.same(0.25), self.contact_give.same(LOOK_M));
         for touchable in &mut self.touchable {
             let surface = &now.surfaces[touchable.collider].surface;
             touchable.look(surface, work.iter().map(|w| w.place), margin_m, again);
@@ -316,10 +316,10 @@ struct Moved<L> {
 
 impl<L: Lane> Moved<L> {
     #[inline(always)]
-    fn new(carry: &Carry) -> Self {
+    fn new(carry: &Carry, like: L) -> Self {
         let q = carry.turn.quaternion();
-        let turn = Turn { w: L::splat(q.w), v: Vector::splat(Vec3::new(q.i, q.j, q.k)) };
-        Self { turn, shift: Vector::splat(carry.shift) }
+        let turn = Turn { w: like.same(q.w), v: Vector::same(like, Vec3::new(q.i, q.j, q.k)) };
+        Self { turn, shift: Vector::same(like, carry.shift) }
     }
 
     /// Takes what was into the head's axes at the step's end.
@@ -340,8 +340,8 @@ impl<L: Lane> Moved<L> {
 fn go_on<L: Lane>(state: &State<L>) -> Turn<L> {
     let (now, before, long_before) = (state.turn, state.turn_before, state.turn_long_before);
     let alike = now.w * before.w + now.v.dot(before.v);
-    let near = L::splat(0.97);
-    let three = L::splat(3.0);
+    let near = now.w.same(0.97);
+    let three = now.w.same(3.0);
     let guess = Turn {
         w: (now.w - before.w).mul_add(three, long_before.w),
         v: (now.v - before.v).mul_add(three, long_before.v),

@@ -79,7 +79,7 @@ impl<L: Lane> Work<L> {
             stiffness: L::zero(),
             natural: o,
             wind: o,
-            turn: Turn::identity(),
+            turn: Turn::identity(L::one()),
             direction: o,
             place: o,
             touches: false,
@@ -102,8 +102,8 @@ impl<L: Lane> Work<L> {
     #[inline(always)]
     pub fn forget_touch(&mut self) {
         self.touches = false;
-        self.slope = Vector::zero();
-        self.hessian = Symmetric::zero();
+        self.slope = Vector::none(self.stiffness);
+        self.hessian = Symmetric::none(self.stiffness);
     }
 
     /// A surface touches the far point.

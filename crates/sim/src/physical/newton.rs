@@ -56,16 +56,18 @@ pub(super) struct Bending<L> {
 /// The joint between a stick that is turned like `before` and one of some work.
 #[inline(always)]
 pub(super) fn bend_joint<L: Lane>(before: Turn<L>, work: &Work<L>) -> Bending<L> {
-    let two = L::splat(2.0);
+    let two = work.stiffness.same(2.0);
     let bend = before.inverse().after(work.turn).bend();
-    let sigma = bend * L::splat(0.25);
+    let sigma = bend * work.stiffness.same(0.25);
     let sigma2 = sigma.norm_squared();
     let load = bend.mul_add(work.stiffness, -work.natural);
     // For a turn ε of the stick, in the axes of the stick before, d bend = (1 − σ²) ε − 2 σ × ε + 2 σ (σ·ε): a
     // rotation times 1 + σ², so that the second derivative is the same in all directions.
-    let torque =
-        load.mul_add(L::one() - sigma2, sigma.cross(load).mul_add(two, sigma * (sigma.dot(load) * two)));
-    let scale = L::one() + sigma2;
+    let torque = load.mul_add(
+        work.stiffness.same(1.0) - sigma2,
+        sigma.cross(load).mul_add(two, sigma * (sigma.dot(load) * two)),
+    );
+    let scale = work.stiffness.same(1.0) + sigma2;
     Bending { torque: before.rotate(torque), curvature: work.stiffness * scale * scale }
 }
 
@@ -80,13 +82,13 @@ impl<L: Lane> Batch<L> {
         now: &Now<'_>,
         weights: &Weights<L>,
     ) {
-        let gravity = Vector::splat(now.gravity);
-        let (along, half) = (L::splat(model.along), L::splat(0.5));
+        let gravity = Vector::same(weights.h, now.gravity);
+        let (along, half) = (weights.h.same(model.along), weights.h.same(0.5));
         let half_per_h = half * weights.per_h;
         let root_velocity = self.root_velocity(now);
-        let mut further_out = FurtherOut::nothing();
+        let mut further_out = FurtherOut::nothing(weights.h);
         // The air on the stick further out, of which a half acts here.
-        let mut air = Push::none();
+        let mut air = Push::none(weights.h);
         for j in (0..work.len()).rev() {
             let (inner, outer) = work.split_at_mut(j);
             let (link, here) = (&self.links[j], &mut outer[0]);
@@ -113,7 +115,13 @@ impl<L: Lane> Batch<L> {
             }
             further_out.add_point(slope, &hessian);
             let joint = bend_joint(turn_before, here);
-            further_out.eliminate(here, link.length, joint, link.rotary * weights.per_h2, L::one());
+            further_out.eliminate(
+                here,
+                link.length,
+                joint,
+                link.rotary * weights.per_h2,
+                weights.h.same(1.0),
+            );
         }
     }
 
@@ -127,7 +135,7 @@ impl<L: Lane> Batch<L> {
         weights: &Weights<L>,
     ) -> L {
         let firmness = self.firmness(weights);
-        let mut off2 = L::zero();
+        let mut off2 = weights.h.same(0.0);
         for near in self.touchable.iter().flat_map(|touchable| &touchable.near) {
             work[near.stick].forget_touch();
         }
@@ -155,8 +163,9 @@ impl<L: Lane> Batch<L> {
     /// The velocity over the ground of the place where the strands grow, head axes, m/s.
     #[inline(always)]
     pub(super) fn root_velocity(&self, now: &Now<'_>) -> Vector<L> {
-        now.head.as_ref().map_or(Vector::zero(), |head| {
-            Vector::splat(head.velocity) + Vector::splat(head.angular_velocity).cross(self.root)
+        now.head.as_ref().map_or(Vector::none(self.contact_give), |head| {
+            Vector::same(self.contact_give, head.velocity)
+                + Vector::same(self.contact_give, head.angular_velocity).cross(self.root)
         })
     }
 }
@@ -175,12 +184,12 @@ pub(super) struct FurtherOut<L> {
 impl<L: Lane> FurtherOut<L> {
     /// Beyond the tip there is nothing.
     #[inline(always)]
-    pub fn nothing() -> Self {
-        let o = Vector::zero();
+    pub fn nothing(like: L) -> Self {
+        let o = Vector::none(like);
         Self {
-            places: Symmetric::zero(),
-            mixed: Matrix::zero(),
-            turns: Symmetric::zero(),
+            places: Symmetric::none(like),
+            mixed: Matrix::none(like),
+            turns: Symmetric::none(like),
             place_slope: o,
             turn_slope: o,
             outer_slope: o,
@@ -209,14 +218,14 @@ impl<L: Lane> FurtherOut<L> {
         // The point's displacement is that of the stick's near end plus turn × lever.
         let lever = work.direction * length;
         let a = self.places.to_matrix().mul_lever(lever);
-        let z = a.mul_add(L::splat(0.5), &self.mixed);
+        let z = a.mul_add(length.same(0.5), &self.mixed);
         let y = z.lever_mul(lever);
         let mut q = self.turns;
         q.add_with_transpose(&y);
         let m = a.add(&self.mixed);
         let slope = self.turn_slope + lever.cross(self.place_slope);
         // A pull rights the stick, as weight does a pendulum. What would push it over is left to the gradient.
-        let pull = (-self.outer_slope.dot(lever)).max(L::zero()) * righting;
+        let pull = (-self.outer_slope.dot(lever)).max(length.same(0.0)) * righting;
         q.add_identity(pull + rotary);
         q.add_outer(work.direction, -pull);
         let mut sum = q;
@@ -249,8 +258,8 @@ pub(super) struct Outwards<L> {
 impl<L: Lane> Outwards<L> {
     /// At the root nothing moves.
     #[inline(always)]
-    pub fn at_root() -> Self {
-        Self { displacement: Vector::zero(), turn: Vector::zero(), farthest2: L::zero() }
+    pub fn at_root(like: L) -> Self {
+        Self { displacement: Vector::none(like), turn: Vector::none(like), farthest2: like.same(0.0) }
     }
 
     /// The turn of the next stick.
@@ -261,7 +270,8 @@ impl<L: Lane> Outwards<L> {
             - work.offset;
         self.displacement += self.turn.cross(work.direction * link.length);
         // Sticks that only fill up the batch have no mass and no say.
-        let went2 = link.mass.above(L::zero(), self.displacement.norm_squared(), L::zero());
+        let went2 =
+            link.mass.above(link.mass.same(0.0), self.displacement.norm_squared(), link.mass.same(0.0));
         self.farthest2 = self.farthest2.max(went2);
         self.turn
     }
@@ -271,11 +281,11 @@ impl<L: Lane> Outwards<L> {
 /// take any point of each strand, m².
 #[inline(always)]
 pub(super) fn sweep_outwards<L: Lane>(root: Vector<L>, links: &[Link<L>], work: &mut [Work<L>], way: L) -> L {
-    let mut outwards = Outwards::at_root();
+    let mut outwards = Outwards::at_root(way);
     let mut end = root;
     for (link, work) in links.iter().zip(work) {
         let turned = work.turn.turned(outwards.next(link, work) * way);
-        work.turn = turned.where_above(way, L::zero(), work.turn);
+        work.turn = turned.where_above(way, way.same(0.0), work.turn);
         work.direction = work.turn.x_axis();
         end = work.direction.mul_add(link.length, end);
         work.place = end;
