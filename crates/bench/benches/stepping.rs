@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::sync::LazyLock;
 use tousle_bench::worlds::{gusts, mannequin, wig};
 use tousle_core::{Body, NoProgress};
-use tousle_field::{FieldSequence, SAMPLED_AT_ONCE, Sampler, Scene};
+use tousle_field::{FieldSequence, Reading, SAMPLED_AT_ONCE, Sampler, Scene};
 use tousle_sim::{Method, Precision, SimOptions, TimeMode, simulate};
 
 fn main() {
@@ -123,9 +123,10 @@ fn only_sampling(bencher: Bencher<'_, '_>, run: Run) {
         .map(|chunk| [0, 1, 2].map(|axis| core::array::from_fn(|k| chunk[k][axis])))
         .collect();
     let mut vectors = points.clone();
+    let reading = if run.strands > 120 { Reading::Together } else { Reading::LaidOut };
     run.measure(bencher, run.steps, || {
         for step in 0..run.steps {
-            let moment = sampler.at(f64::from(step) / RATE_HZ % WIND.end_secs(), run.strands > 120);
+            let moment = sampler.at(f64::from(step) / RATE_HZ % WIND.end_secs(), reading);
             points.par_chunks(64).zip(vectors.par_chunks_mut(64)).for_each(|(points, vectors)| {
                 for (points, vectors) in points.iter().zip(vectors) {
                     *vectors = moment.sample_many(points);

@@ -62,13 +62,32 @@ impl<'a> Placed<'a> {
 /// A vector and a weight (0 without air) a voxel, and one voxel more, so that each has a next one.
 type Voxels = Box<[[f32; 4]]>;
 
-/// Where a moment's vectors are.
+/// How a [`Sampler`] reads the steps of its field. The vectors are the same to the bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reading {
+    /// As they lie in memory: for points so few that most voxels are never asked for.
+    AsTheyLie,
+    /// Each laid out once so that what a point needs of it is in one place.
+    LaidOut,
+    /// Laid out, and the two steps around a time laid together for the whole grid: for more points than the grid has
+    /// voxels over six.
+    Together,
+}
+
+/// Where a moment's vectors are: mostly in two neighboring steps, with the share of the second.
 #[derive(Clone, Debug)]
 enum Source<'a> {
-    /// Two neighboring steps and the share of the second, laid together for each point.
-    Steps { before: &'a Voxels, after: &'a Voxels, share: f32 },
-    /// Laid together beforehand.
+    AsTheyLie { before: Raw<'a>, after: Raw<'a>, share: f32 },
+    LaidOut { before: &'a Voxels, after: &'a Voxels, share: f32 },
     Together(Voxels),
+}
+
+/// A step as it lies in memory.
+#[derive(Clone, Copy, Debug)]
+struct Raw<'a> {
+    /// By components.
+    vectors: [&'a [f32]; 3],
+    air: Option<&'a [f32]>,
 }
 
 /// How many points are looked up side by side.
@@ -139,22 +158,28 @@ impl<'a> Sampler<'a> {
 
     /// The field at a time, s; before the first step the first holds, after the last the last.
     ///
-    /// `together` lays the two steps around the time together for the whole grid: worth it for more points than
-    /// the grid has voxels over six. The vectors are the same to the bit.
-    ///
     /// # Panics
     /// If the sequence has no step.
-    pub fn at(&'a self, time_secs: f64, together: bool) -> Moment<'a> {
+    pub fn at(&'a self, time_secs: f64, reading: Reading) -> Moment<'a> {
         let slice = self.sequence.at(time_secs);
         let (around, share) = slice.around();
-        let [before, after] = around.map(|step| self.laid_out[step].get_or_init(|| self.lay_out(step)));
         let share = share as f32;
         let layers = self.layers.iter().map(|placed| (placed, placed.layer.presence(time_secs)));
         let layers: Vec<_> = layers.filter(|(_, presence)| *presence > 0.0).collect();
-        let source = if together {
-            Source::Together(lay_together(before, after, share))
-        } else {
-            Source::Steps { before, after, share }
+        let laid_out = || around.map(|step| self.laid_out[step].get_or_init(|| self.lay_out(step)));
+        let source = match reading {
+            Reading::AsTheyLie => {
+                let [before, after] = around.map(|step| self.raw(step));
+                Source::AsTheyLie { before, after, share }
+            }
+            Reading::LaidOut => {
+                let [before, after] = laid_out();
+                Source::LaidOut { before, after, share }
+            }
+            Reading::Together => {
+                let [before, after] = laid_out();
+                Source::Together(lay_together(before, after, share))
+            }
         };
         Moment {
             sampler: self,
@@ -165,17 +190,22 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    fn lay_out(&self, step: usize) -> Voxels {
+    fn raw(&self, step: usize) -> Raw<'_> {
         let field = &self.sequence.steps[step];
         let n = field.flags.len();
+        Raw { vectors: [0, 1, 2].map(|axis| &field.u[axis * n..][..n]), air: self.air.as_deref() }
+    }
+
+    fn lay_out(&self, step: usize) -> Voxels {
+        let Raw { vectors: [x, y, z], air } = self.raw(step);
         // Slices of one length: only so the compiler makes vector instructions of the loop.
-        let [x, y, z] = [0, 1, 2].map(|axis| &field.u[axis * n..][..n]);
+        let n = x.len();
         let mut voxels = vec![[0.0; 4]; n + 1];
         for v in 0..n {
             voxels[v] = [x[v], y[v], z[v], 1.0];
         }
-        if let Some(air) = &self.air {
-            for (voxel, air) in voxels.iter_mut().zip(&air[..]) {
+        if let Some(air) = air {
+            for (voxel, air) in voxels.iter_mut().zip(air) {
                 voxel[3] = *air;
             }
         }
@@ -251,7 +281,8 @@ impl Moment<'_> {
         let places = self.sampler.places(points_m);
         let sums = match &self.source {
             Source::Together(voxels) => places.gather(voxels),
-            Source::Steps { before, after, share } => places.gather_mixed(before, after, *share),
+            Source::LaidOut { before, after, share } => places.gather_mixed(*before, *after, *share),
+            Source::AsTheyLie { before, after, share } => places.gather_mixed(before, after, *share),
         };
         let mut vectors = [[0.0; WIDTH]; 3];
         for k in 0..WIDTH {
@@ -296,22 +327,38 @@ fn lay_together(before: &Voxels, after: &Voxels, share: f32) -> Voxels {
     voxels
 }
 
-/// A step's voxel and the next along z; at the grid's side another one, of which nothing is taken.
-#[inline(always)]
-fn pair(voxels: &Voxels, flat: u32) -> &[f32; 8] {
-    voxels[flat as usize..flat as usize + 2].as_flattened().try_into().expect("two voxels of four numbers")
+/// Where voxels can be read.
+trait Pairs: Copy {
+    /// A voxel and the next along z; at the grid's side another one, of which nothing is taken.
+    fn pair(self, flat: u32) -> [f32; 8];
 }
 
-/// Four pairs of voxels along z: those before a point and the next along y, then the same for the next along x.
-type Pairs<'a> = [&'a [f32; 8]; 4];
+impl Pairs for &Voxels {
+    #[inline(always)]
+    fn pair(self, flat: u32) -> [f32; 8] {
+        let both = &self[flat as usize..flat as usize + 2];
+        both.as_flattened().try_into().expect("two voxels of four numbers")
+    }
+}
+
+impl Pairs for &Raw<'_> {
+    #[inline(always)]
+    fn pair(self, flat: u32) -> [f32; 8] {
+        let [x, y, z] = self.vectors;
+        let this = flat as usize;
+        let next = (this + 1).min(x.len() - 1);
+        let [w, next_w] = self.air.map_or([1.0; 2], |air| [air[this], air[next]]);
+        [x[this], y[this], z[this], w, x[next], y[next], z[next], next_w]
+    }
+}
 
 impl Places {
-    /// The voxels around the `k`-th point.
+    /// Four pairs of voxels around the `k`-th point: those before it and the next along y, then the same for the next
+    /// along x.
     #[inline(always)]
-    fn around<'a>(&self, voxels: &'a Voxels, k: usize) -> Pairs<'a> {
+    fn around(&self, voxels: impl Pairs, k: usize) -> [[f32; 8]; 4] {
         let (low, step_x, step_y) = (self.low[k], self.steps[0][k], self.steps[1][k]);
-        let next_x = low + step_x;
-        [pair(voxels, low), pair(voxels, low + step_y), pair(voxels, next_x), pair(voxels, next_x + step_y)]
+        [low, low + step_y, low + step_x, low + step_x + step_y].map(|flat| voxels.pair(flat))
     }
 
     /// Vectors and weights between the eight voxels around each point, by components.
@@ -332,7 +379,7 @@ impl Places {
 
     /// [`Places::gather`] of two steps laid together, in the same order for each number.
     #[inline(always)]
-    fn gather_mixed(&self, before: &Voxels, after: &Voxels, share: f32) -> [[f32; 4]; WIDTH] {
+    fn gather_mixed<P: Pairs>(&self, before: P, after: P, share: f32) -> [[f32; 4]; WIDTH] {
         let mut sums = [[0.0; 4]; WIDTH];
         for (k, sum) in sums.iter_mut().enumerate() {
             let (a, b) = (self.around(before, k), self.around(after, k));
@@ -402,9 +449,11 @@ mod tests {
         }
     }
 
-    /// Both ways to sample agree with the sequence's own, inside and outside the box.
+    const READINGS: [Reading; 3] = [Reading::AsTheyLie, Reading::LaidOut, Reading::Together];
+
+    /// All ways to read agree with the sequence's own, inside and outside the box, and with each other to the bit.
     #[test]
-    fn both_ways_agree_with_the_sequence() {
+    fn all_ways_agree_with_the_sequence() {
         let grid = GridSpec::cube(0.6, 0.1).unwrap();
         let sequence = sequence(grid, |_| false);
         let sampler = Sampler::new(&sequence, |_| false);
@@ -415,10 +464,12 @@ mod tests {
             {
                 let single: [f32; 3] = point.map(|c| c as f32).into();
                 let expected = slow.sample(point);
-                for together in [false, true] {
-                    let found = Vec3::from(sampler.at(time, together).sample(single).map(f64::from));
+                for reading in READINGS {
+                    let found = Vec3::from(sampler.at(time, reading).sample(single).map(f64::from));
                     assert!((found - expected).norm() < 1e-5, "{time} {point} {found} {expected}");
                 }
+                let found = READINGS.map(|reading| sampler.at(time, reading).sample(single));
+                assert!(found.iter().all(|f| *f == found[0]), "{time} {point} {found:?}");
             }
         }
     }
@@ -449,10 +500,10 @@ mod tests {
         let variants = sampler.with_variants(&common, &[&first, &second]);
         let mut points = [[0.0; WIDTH]; 3];
         points[0][3] = 0.2;
-        let found = variants.at(1.0, false).sample_many(&points);
+        let found = variants.at(1.0, Reading::LaidOut).sample_many(&points);
         let found = [0, 1, 2, 3].map(|k| found.map(|component| component[k]));
         assert_eq!(found, [[1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [0.0; 3]]);
-        assert_eq!(sampler.with_layers(&common).at(1.0, false).sample([0.0; 3]), [0.0, 0.0, 1.0]);
+        assert_eq!(sampler.with_layers(&common).at(1.0, Reading::LaidOut).sample([0.0; 3]), [0.0, 0.0, 1.0]);
     }
 
     /// Right outside a head that holds no air the wind is that of the nearest air, not a mixture with nothing.
@@ -462,10 +513,10 @@ mod tests {
         let in_head = |p: Vec3| p.norm() < 0.12;
         let sequence = sequence(grid, in_head);
         let point = [0.14f32, 0.0, 0.0];
-        let blind = Sampler::new(&sequence, |_| false).at(0.0, false).sample(point);
-        for together in [false, true] {
+        let blind = Sampler::new(&sequence, |_| false).at(0.0, Reading::LaidOut).sample(point);
+        for reading in READINGS {
             let seeing = Sampler::new(&sequence, in_head);
-            let found = seeing.at(0.0, together).sample(point);
+            let found = seeing.at(0.0, reading).sample(point);
             assert!((found[2] - 1.0).abs() < 1e-5 && blind[2] < 0.95, "{found:?} {blind:?}");
         }
     }

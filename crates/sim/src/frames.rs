@@ -1,11 +1,52 @@
 //! What a run hands out: frames of single-precision positions, and what they say of stretch.
 
+use crate::lane::{Lane, MOST_LANES, Vector};
+use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 use tousle_core::{Groom, StrandMotion, Vec3};
 
 /// A point as the result holds it.
 pub(crate) fn single(point: Vec3) -> [f32; 3] {
     point.map(|c| c as f32).into()
+}
+
+/// Adds points of strands side by side to others, strand after strand: of each as many as it has sticks. `ends`: the far
+/// ends of the sticks, from the root.
+pub(crate) fn put_ends<L: Lane>(
+    ends: impl Iterator<Item = Vector<L>>,
+    n_sticks: &[usize],
+    points: &mut Vec<[f32; 3]>,
+) {
+    L::dispatch(PutEnds { ends, n_sticks, points });
+}
+
+/// [`put_ends`], compiled for the lanes' registers.
+struct PutEnds<'a, I> {
+    ends: I,
+    n_sticks: &'a [usize],
+    points: &'a mut Vec<[f32; 3]>,
+}
+
+impl<L: Lane, I: Iterator<Item = Vector<L>>> NullaryFnOnce for PutEnds<'_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { ends, n_sticks, points } = self;
+        let first = points.len();
+        points.resize(first + n_sticks.iter().sum::<usize>(), [0.0; 3]);
+        let mut rows = [[0.0; MOST_LANES]; 3];
+        for (stick, end) in ends.enumerate() {
+            end.put_single(&mut rows, 0);
+            let mut at = first + stick;
+            for (lane, n) in n_sticks.iter().enumerate() {
+                if stick < *n {
+                    points[at] = rows.map(|row| row[lane]);
+                }
+                at += n;
+            }
+        }
+    }
 }
 
 /// The largest change of any stick's length from the first frame's, as a share of it, over all frames.

@@ -32,6 +32,9 @@ use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use pulp::NullaryFnOnce;
 
+/// As many strands as are ever side by side.
+pub(crate) const MOST_LANES: usize = 16;
+
 /// Numbers of several strands, one a strand.
 pub(crate) trait Lane:
     Copy

@@ -23,7 +23,6 @@ use crate::lane::{Lane, Symmetric, Vector, cos_and_sine_share};
 use crate::plan::Terms;
 use crate::timeline::StepScene;
 use contact::Contacts;
-use tousle_core::Vec3;
 use tousle_rod::{Lock, turned};
 
 /// What all strands of a run share.
@@ -214,12 +213,11 @@ impl<L: Lane> Batch<L> {
         }
     }
 
-    /// The far end of every stick, head space, m, of one strand after the other.
-    fn ends_m(&self, lane: usize, n_sticks: usize) -> impl Iterator<Item = Vec3> {
-        let mut end = self.root.get(lane);
-        (0..n_sticks).map(move |k| {
-            end += self.motions[k].direction.get(lane) * self.sticks[k].length.get(lane);
-            end
+    /// The far end of every stick, head space, m.
+    fn ends_m(&self) -> impl Iterator<Item = Vector<L>> {
+        self.sticks.iter().zip(&self.motions).scan(self.root, |end, (stick, motion)| {
+            *end = motion.direction.mul_add(stick.length, *end);
+            Some(*end)
         })
     }
 }

@@ -2,7 +2,7 @@ use crate::plan::Terms;
 use crate::{SimError, SimOptions, TimeMode, TorsoGrip};
 use nalgebra::Point3;
 use tousle_core::{Attachment, HeadMotion, Pose, PoseTrack, Vec3};
-use tousle_field::{FieldLayer, FieldSequence, Moment, Sampler, Scene};
+use tousle_field::{FieldLayer, FieldSequence, Moment, Reading, Sampler, Scene};
 use tousle_rod::Surface;
 
 /// When the frames are, into how many steps each is cut, and what the world does in each step.
@@ -66,7 +66,10 @@ const MAX_STEPS_PER_FRAME: f64 = 1e6;
 const MAX_POSITIONS: f64 = 1e9;
 
 /// More points than this, and a step's field is laid together for the whole grid before they ask.
-pub(crate) const TOGETHER_FROM: usize = 6_000;
+const TOGETHER_FROM: usize = 6_000;
+
+/// More points that ask for each step of the field than this share of its voxels, and it is laid out before they do.
+const LAID_OUT_FROM: f64 = 0.15;
 
 impl StepScene<'_> {
     /// Velocity of the body's surface at a point, head space, m/s: the torso moves as the head sees it.
@@ -182,10 +185,23 @@ impl<'a> Timeline<'a> {
         self.head.is_shot
     }
 
+    /// How the field is best read by some points in every step, run after run.
+    pub fn reading(&self, n_points: usize) -> Reading {
+        if n_points > TOGETHER_FROM { Reading::Together } else { Reading::LaidOut }
+    }
+
+    /// How it is best read for a single run.
+    pub fn reading_once(&self, n_points: usize) -> Reading {
+        let per_field_step = n_points as f64 / (self.dt_secs() * self.field.rate_hz);
+        if per_field_step > LAID_OUT_FROM * self.field.grid.n_voxels() as f64 {
+            self.reading(n_points)
+        } else {
+            Reading::AsTheyLie
+        }
+    }
+
     /// What the world does in a step, from 0.
-    ///
-    /// `together`: whether very many points will ask for the wind.
-    pub fn step_scene<'b>(&self, step: usize, sampler: &'b Sampler<'b>, together: bool) -> StepScene<'b> {
+    pub fn step_scene<'b>(&self, step: usize, sampler: &'b Sampler<'b>, reading: Reading) -> StepScene<'b> {
         let dt_secs = self.dt_secs();
         let (frame, within) = (step / self.steps_per_frame, step % self.steps_per_frame);
         let begin = self.frame_secs(frame) + within as f64 * dt_secs;
@@ -195,7 +211,7 @@ impl<'a> Timeline<'a> {
         let moves = self.terms.head_movement;
         StepScene {
             dt_secs,
-            wind: self.wind_secs(middle).map(|secs| sampler.at(secs, together)),
+            wind: self.wind_secs(middle).map(|secs| sampler.at(secs, reading)),
             gravity: head.world_from_head.rotation.inverse() * self.scene.gravity_world,
             head: moves.then_some(head),
             surfaces: Surface::of_body(&self.scene.body, &torso),

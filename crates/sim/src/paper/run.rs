@@ -3,12 +3,12 @@
 use super::build::Prepared;
 use super::{Batch, PaperModel, Work};
 use crate::assumptions::assumptions;
-use crate::frames::{Frames, max_stretch, single};
+use crate::frames::{Frames, max_stretch, put_ends};
 use crate::lane::{Lane, Registers, WithLanes};
 use crate::parts::{Count, Part, run_parts};
 use crate::plan::plan;
 use crate::stability::limit;
-use crate::timeline::{StepScene, TOGETHER_FROM, Timeline};
+use crate::timeline::{StepScene, Timeline};
 use crate::touchable::{n_reaching, touchable};
 use crate::{Keeper, SimError, SimOptions, SimReport, Simulation};
 use core::fmt::Debug;
@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tousle_core::{Groom, NoProgress, Pose, Progress, StrandMotion};
-use tousle_field::{FieldLayer, FieldSequence, Sampler, Scene};
+use tousle_field::{FieldLayer, FieldSequence, Reading, Sampler, Scene};
 use tousle_rod::{DragLaw, Likely, Lock, Surface, Twist, rest_state};
 
 /// Steps that a strand runs before the next one's turn: enough to spread the cost of preparing what the world
@@ -101,6 +101,7 @@ pub(crate) struct Ready<'a> {
 struct Layered<'a> {
     timeline: Timeline<'a>,
     sampler: Sampler<'a>,
+    reading: Reading,
     model: PaperModel,
     /// The integrator's limit for this groom, in words.
     limit: String,
@@ -127,7 +128,8 @@ impl<'a> Ready<'a> {
         keeper: Option<&dyn Keeper>,
         progress: &dyn Progress,
     ) -> Result<Simulation, SimError> {
-        let layered = self.layered(layers)?;
+        let mut layered = self.layered(layers)?;
+        layered.reading = layered.timeline.reading_once(self.groom.n_points());
         let timeline = &layered.timeline;
         let order: Vec<usize> = (0..self.strands.len()).collect();
         let spans = (timeline.n_frames, timeline.n_steps());
@@ -219,7 +221,8 @@ impl<'a> Ready<'a> {
             terms: timeline.terms,
             friction: self.scene.body.friction,
         };
-        Ok(Layered { timeline, sampler: self.sampler.with_layers(layers), model, limit })
+        let reading = timeline.reading(self.groom.n_points());
+        Ok(Layered { timeline, sampler: self.sampler.with_layers(layers), reading, model, limit })
     }
 
     /// Strands of as many sticks side by side.
@@ -285,11 +288,10 @@ impl<'a> Ready<'a> {
         let (start, end) = (first * per_frame, last * per_frame);
         let n_strands: usize = batches.iter().map(|b| b.strands.len()).sum();
         let total = (n_strands * (end - start)) as u64;
-        let together = self.groom.n_points() > TOGETHER_FROM;
         let done = AtomicU64::new(0);
         for begin in (start..end).step_by(BLOCK_STEPS) {
             let steps = begin..(begin + BLOCK_STEPS).min(end);
-            let scene = |step: usize| layered.timeline.step_scene(step, &layered.sampler, together);
+            let scene = |step: usize| layered.timeline.step_scene(step, &layered.sampler, layered.reading);
             let scenes: Vec<_> = steps.clone().map(scene).collect();
             let blocks: Vec<Vec<[f32; 3]>> = batches
                 .par_iter_mut()
@@ -335,9 +337,8 @@ impl<'a> Ready<'a> {
 
     /// Adds these points to others, strand after strand.
     fn put_points<L: Lane>(&self, batch: &Batch<L>, points: &mut Vec<[f32; 3]>) {
-        for (lane, s) in batch.strands.iter().enumerate() {
-            points.extend(batch.ends_m(lane, self.strands[*s].lock.n_sticks()).map(single));
-        }
+        let n_sticks: Vec<usize> = batch.strands.iter().map(|s| self.strands[*s].lock.n_sticks()).collect();
+        put_ends(batch.ends_m(), &n_sticks, points);
     }
 }
 

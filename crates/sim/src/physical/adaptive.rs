@@ -6,7 +6,7 @@ use super::link::Work;
 use super::scene::{Carry, Now};
 use crate::lane::Lane;
 use crate::timeline::Timeline;
-use tousle_field::Sampler;
+use tousle_field::{Reading, Sampler};
 
 /// Where a strand's own clock stands.
 #[derive(Clone, Debug)]
@@ -49,7 +49,7 @@ impl<L: Lane> Batch<L> {
                 dt if dt > 0.5 * left => 0.5 * left,
                 dt => dt,
             };
-            let now = Now::new(timeline, sampler, time + dt, false);
+            let now = Now::new(timeline, sampler, time + dt, Reading::LaidOut);
             let carry = Carry::new(timeline, time, time + dt);
             let before = self.states.clone();
             let touchable = self.touchable.clone();

@@ -2,7 +2,6 @@ use super::contact::Touchable;
 use super::link::{Link, State, Work};
 use crate::lane::{Lane, Turn, Vector};
 pub(crate) use crate::parts::Count;
-use tousle_core::Vec3;
 use tousle_rod::DragLaw;
 
 /// What all strands of a run share.
@@ -68,11 +67,6 @@ pub(crate) struct Batch<L> {
 }
 
 impl<L: Lane> Batch<L> {
-    /// The far end of a stick of a strand, head space, m.
-    pub fn place(&self, lane: usize, stick: usize) -> Vec3 {
-        self.states[stick].place.get(lane)
-    }
-
     /// Room for a step's work.
     pub fn make_room(&self, work: &mut Vec<Work<L>>) {
         work.resize(self.links.len(), Work::new());

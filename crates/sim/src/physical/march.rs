@@ -8,20 +8,21 @@ use super::implicit::Formula;
 use super::link::Work;
 use super::scene::{Carry, Now};
 use crate::Integrator;
-use crate::frames::{Frames, single};
+use crate::frames::{Frames, put_ends, single};
 use crate::lane::{F64x1, Lane};
 use crate::parts::Part;
-use crate::timeline::{TOGETHER_FROM, Timeline};
+use crate::timeline::Timeline;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tousle_core::{Groom, Progress};
-use tousle_field::Sampler;
+use tousle_field::{Reading, Sampler};
 use tousle_rod::DragLaw;
 
 /// What a run is made of, whatever its numbers are.
 pub(super) struct March<'a> {
     pub timeline: &'a Timeline<'a>,
     pub sampler: &'a Sampler<'a>,
+    pub reading: Reading,
     pub model: Model,
     pub integrator: Integrator,
     /// [`Integrator::Adaptive`]: the most that a step may be off, m.
@@ -116,14 +117,13 @@ impl March<'_> {
         mut put: impl FnMut(usize, &Batch<L>, &[[f32; 3]]),
     ) {
         let timeline = self.timeline;
-        let together = self.groom.n_points() > TOGETHER_FROM;
-        let block = if together { BLOCK_OF_MANY } else { BLOCK_OF_FEW };
+        let block = if self.reading == Reading::Together { BLOCK_OF_MANY } else { BLOCK_OF_FEW };
         let (start, end) = (first * timeline.steps_per_frame, last * timeline.steps_per_frame);
         let done = AtomicU64::new(0);
         let total = (self.strands.len() * (end - start)) as u64;
         for begin in (start..end).step_by(block) {
             let steps = begin..(begin + block).min(end);
-            let worlds: Vec<World<'_>> = steps.clone().map(|step| self.world(step, together)).collect();
+            let worlds: Vec<World<'_>> = steps.clone().map(|step| self.world(step)).collect();
             let blocks: Vec<Vec<[f32; 3]>> = batches
                 .par_iter_mut()
                 .map_init(Vec::new, |work, batch| {
@@ -171,12 +171,12 @@ impl March<'_> {
     pub fn explicit(&self) -> Part {
         let dt_secs = self.timeline.dt_secs();
         let is_rk4 = self.integrator == Integrator::Rk4;
-        let first = Now::new(self.timeline, self.sampler, self.secs(0), false);
+        let first = Now::new(self.timeline, self.sampler, self.secs(0), Reading::LaidOut);
         self.one_by_one(|batch, work, frame, swing: &mut Option<Swing<F64x1>>| {
             let swing = swing.get_or_insert_with(|| Swing::at_rest(batch, &first));
             for step in (frame - 1) * self.timeline.steps_per_frame..frame * self.timeline.steps_per_frame {
                 let at = |share: f64| {
-                    Now::new(self.timeline, self.sampler, self.secs(step) + share * dt_secs, false)
+                    Now::new(self.timeline, self.sampler, self.secs(step) + share * dt_secs, Reading::LaidOut)
                 };
                 if is_rk4 {
                     let now = [at(0.0), at(0.5), at(1.0)];
@@ -256,11 +256,8 @@ impl March<'_> {
 
     /// Adds these points to others, strand after strand.
     fn put_points<L: Lane>(&self, batch: &Batch<L>, points: &mut Vec<[f32; 3]>) {
-        for (lane, s) in batch.strands.iter().enumerate() {
-            for stick in 0..self.prepared[*s].lock.n_sticks() {
-                points.push(single(batch.place(lane, stick)));
-            }
-        }
+        let n_sticks: Vec<usize> = batch.strands.iter().map(|s| self.prepared[*s].lock.n_sticks()).collect();
+        put_ends(batch.states.iter().map(|state| state.place), &n_sticks, points);
     }
 
     /// Time at which a step begins, s.
@@ -269,11 +266,11 @@ impl March<'_> {
         self.timeline.frame_secs(frame) + within as f64 * self.timeline.dt_secs()
     }
 
-    fn world(&self, step: usize, together: bool) -> World<'_> {
+    fn world(&self, step: usize) -> World<'_> {
         let (begin, end) = (self.secs(step), self.secs(step + 1));
         World {
             carry: Carry::new(self.timeline, begin, end),
-            now: Now::new(self.timeline, self.sampler, end, together),
+            now: Now::new(self.timeline, self.sampler, end, self.reading),
         }
     }
 }

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use tousle_core::{
     Assumption, Attachment, Groom, NoProgress, Pose, Progress, Quantity, Strand, StrandMotion,
 };
-use tousle_field::{FieldLayer, FieldSequence, Sampler, Scene};
+use tousle_field::{FieldLayer, FieldSequence, Reading, Sampler, Scene};
 use tousle_rod::{DragLaw, Likely, Lock, Support, Surface, Touch, hold_rest, rest_state};
 
 /// A run that is prepared: all that layers on the field do not change.
@@ -39,6 +39,7 @@ pub(crate) struct Ready<'a> {
 struct Layered<'a> {
     timeline: Timeline<'a>,
     sampler: Sampler<'a>,
+    reading: Reading,
     model: Model,
     /// The longest step of an explicit integrator.
     limit: Option<Limit>,
@@ -131,7 +132,8 @@ impl<'a> Ready<'a> {
         keeper: Option<&dyn Keeper>,
         progress: &dyn Progress,
     ) -> Result<Simulation, SimError> {
-        let layered = self.layered(layers)?;
+        let mut layered = self.layered(layers)?;
+        layered.reading = layered.timeline.reading_once(self.groom.n_points());
         let timeline = &layered.timeline;
         let all: Vec<usize> = (0..self.prepared.len()).collect();
         let spans = (timeline.n_frames, timeline.n_steps());
@@ -261,7 +263,8 @@ impl<'a> Ready<'a> {
             friction: self.scene.body.friction,
             resolution_m: if options.precision == Precision::Single { 5e-7 } else { 0.0 },
         };
-        Ok(Layered { timeline, sampler: self.sampler.with_layers(layers), model, limit })
+        let reading = timeline.reading(self.groom.n_points());
+        Ok(Layered { timeline, sampler: self.sampler.with_layers(layers), reading, model, limit })
     }
 
     fn march<'b>(
@@ -273,6 +276,7 @@ impl<'a> Ready<'a> {
         March {
             timeline: &layered.timeline,
             sampler: &layered.sampler,
+            reading: layered.reading,
             model: layered.model,
             integrator: self.options.integrator(),
             tolerance_m: self.options.tolerance_m,

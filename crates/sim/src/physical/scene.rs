@@ -2,7 +2,7 @@ use super::contact::MovingSurface;
 use crate::timeline::Timeline;
 use nalgebra::UnitQuaternion;
 use tousle_core::{Attachment, HeadMotion, Vec3};
-use tousle_field::{Moment, Sampler};
+use tousle_field::{Moment, Reading, Sampler};
 use tousle_rod::Surface;
 
 /// What the world does at one time, head axes.
@@ -34,8 +34,8 @@ const CUT_SPEED: f64 = 50.0;
 const CUT_TURN: f64 = 100.0;
 
 impl<'a> Now<'a> {
-    /// The world at a time. `together`: whether very many points will ask for the wind.
-    pub fn new(timeline: &Timeline<'_>, sampler: &'a Sampler<'a>, secs: f64, together: bool) -> Self {
+    /// The world at a time.
+    pub fn new(timeline: &Timeline<'_>, sampler: &'a Sampler<'a>, secs: f64, reading: Reading) -> Self {
         let motion = timeline.head_at(secs);
         let head = timeline.terms.head_movement.then_some(motion);
         let body = timeline.body();
@@ -47,7 +47,7 @@ impl<'a> Now<'a> {
             let is_heads = head.is_none() || collider.attachment == Attachment::Head;
             MovingSurface { surface, velocity, angular_velocity, is_heads }
         };
-        let wind = timeline.wind_secs(secs).map(|secs| sampler.at(secs, together));
+        let wind = timeline.wind_secs(secs).map(|secs| sampler.at(secs, reading));
         Self {
             is_still: head.is_none() && wind.as_ref().is_none_or(Moment::is_still),
             wind,
