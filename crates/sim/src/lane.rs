@@ -1,9 +1,9 @@
 //! Several numbers side by side: one for each of some strands that are stepped together.
 //!
 //! Everything in the method `physical` is written over [`Lane`], so the same lines run for one strand at a time or for
-//! as many as fit the processor's registers. The operations are plain loops over an array that the compiler turns
-//! into vector instructions. Where two are fused it is by [`Lane::mul_add`], which rounds once on every machine, with or
-//! without an instruction for it: so every machine gives the same bits.
+//! as many as fit the processor's registers. On x86 each operation is one of the processor's; elsewhere it is written out
+//! for every number of an array, and the compiler makes vectors of it. Where two are fused it is by [`Lane::mul_add`],
+//! which rounds once on every machine, with or without an instruction for it: so every machine gives the same bits.
 
 mod array;
 mod functions;

@@ -69,7 +69,7 @@ const MAX_POSITIONS: f64 = 1e9;
 const TOGETHER_FROM: usize = 6_000;
 
 /// More points that ask for each step of the field than this share of its voxels, and it is laid out before they do.
-const LAID_OUT_FROM: f64 = 0.15;
+const LAID_OUT_FROM: f64 = 0.1;
 
 impl StepScene<'_> {
     /// Velocity of the body's surface at a point, head space, m/s: the torso moves as the head sees it.
