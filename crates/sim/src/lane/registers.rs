@@ -17,6 +17,7 @@ pub(crate) enum Registers {
     /// AVX2 with fused products and sums, or whatever another processor has.
     Bits256,
     /// An x86 processor without AVX2: strand by strand, and its fused operations are worked out by a library.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "other processors have wider ones"))]
     Scalar,
 }
 
