@@ -5,6 +5,9 @@ use tousle_core::Vec3;
 
 /// Rows that shall become least, in the linear picture.
 pub(crate) struct Normal {
+    /// `J`, weighed.
+    weighed: DMatrix<f64>,
+    weights: DVector<f64>,
     /// `JᵀJ`.
     matrix: DMatrix<f64>,
     /// `Jᵀ rows`.
@@ -19,21 +22,35 @@ impl Normal {
             column.component_mul_assign(weights);
         }
         let gradient = weighed.tr_mul(&rows.component_mul(weights));
-        Self { matrix: weighed.tr_mul(&weighed), gradient }
+        Self { matrix: weighed.tr_mul(&weighed), gradient, weights: weights.clone(), weighed }
     }
 
     /// The step that makes the rows least: `−(JᵀJ + λ diag JᵀJ)⁻¹ Jᵀ rows` (Marquardt 1963).
     ///
     /// Zero if the normal matrix has no inverse even so.
     pub(crate) fn step(&self, damping: f64) -> DVector<f64> {
+        self.solve(damping, &self.gradient)
+    }
+
+    /// What is added to a step to stay on the curve on which rows change along it: `−½ (JᵀJ + λ diag JᵀJ)⁻¹ Jᵀ second`, no
+    /// longer than the step.
+    ///
+    /// `second`: the second derivative of the rows along the step. Source: geodesic acceleration (Transtrum and Sethna 2012).
+    pub(crate) fn curve(&self, damping: f64, step: &DVector<f64>, second: &DVector<f64>) -> DVector<f64> {
+        let added = self.solve(damping, &self.weighed.tr_mul(&second.component_mul(&self.weights))) * 0.5;
+        let most = step.norm();
+        if added.norm() > most { added.normalize() * most } else { added }
+    }
+
+    fn solve(&self, damping: f64, gradient: &DVector<f64>) -> DVector<f64> {
         let mut normal = self.matrix.clone();
         let largest = normal.diagonal().max();
         for k in 0..normal.nrows() {
             // What nothing depends on stays where it is.
             normal[(k, k)] += damping * normal[(k, k)] + 1e-12 * largest;
         }
-        let nothing = || DVector::zeros(self.gradient.len());
-        Cholesky::new(normal).map_or_else(nothing, |normal| -normal.solve(&self.gradient))
+        let nothing = || DVector::zeros(gradient.len());
+        Cholesky::new(normal).map_or_else(nothing, |normal| -normal.solve(gradient))
     }
 }
 
@@ -62,6 +79,18 @@ mod tests {
             Normal::new(&jacobian, &DVector::from_vec(vec![-1.0, -3.0, -5.0]), &DVector::repeat(3, 2.0))
                 .step(0.0);
         assert!((found - DVector::from_vec(vec![1.0, 2.0])).norm() < 1e-9);
+    }
+
+    /// Of x² − 4 the step from 1 is 1.5, which goes too far; 1 would be right.
+    #[test]
+    fn a_curve_is_followed() {
+        let (jacobian, rows) = (DMatrix::from_element(1, 1, 2.0), DVector::from_element(1, -3.0));
+        let normal = Normal::new(&jacobian, &rows, &DVector::repeat(1, 3.0));
+        let step = normal.step(0.0);
+        assert!((step[0] - 1.5).abs() < 1e-9, "{step}");
+        let second = DVector::from_element(1, 2.0 * step[0] * step[0]);
+        let added = normal.curve(0.0, &step, &second);
+        assert!((added[0] + 0.5 * second[0] / 2.0).abs() < 1e-9, "{added}");
     }
 
     #[test]

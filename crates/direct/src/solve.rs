@@ -75,11 +75,9 @@ pub fn solve(
     let aims: Vec<Aim> = drag.keys.iter().map(|key| aim(stage, key, &ground.points_at(key))).collect();
     let mut solver = Solver { stage, ground: &ground, drag, keys: &keys, options, n_runs: 0 };
     let best = solver.best(&aims, before.map(|before| &before.vectors[..]))?;
-    let n_runs = solver.n_runs;
-    let mut outcome = outcome(&best, &ground, drag, &keys, aims, options)?;
-    outcome.n_runs = n_runs;
     let mut layers = best.problem.layers(&best.vectors);
     layers.iter_mut().for_each(|layer| layer.muted = drag.muted);
+    let outcome = solver.outcome(&best, &layers, aims);
     Ok(Solved { layers, outcome, vectors: best.vectors, ground: ground.clone() })
 }
 
@@ -125,6 +123,15 @@ enum Attempt {
     Finer,
 }
 
+/// How one attempt goes to its answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Steps {
+    /// Where the derivatives point.
+    Straight,
+    /// On the curve on which the rows change, or straight, whichever gets farther.
+    Curved,
+}
+
 /// What is tried after the first attempt, one after another.
 const ATTEMPTS: [Attempt; 3] = [Attempt::Known, Attempt::Known, Attempt::Finer];
 
@@ -132,16 +139,48 @@ const ATTEMPTS: [Attempt; 3] = [Attempt::Known, Attempt::Known, Attempt::Finer];
 const ATTEMPTS_OF_A_HAND: usize = 1;
 
 impl<'a> Solver<'a> {
-    /// Attempts until one meets its keys and moves no more violently than it may; the best of them.
+    /// The best of attempts by straight steps, and where none is good also by curved ones; or the other way round.
+    ///
+    /// A straight piece of a strand comes no shorter, to first order, whatever its ends are pushed with: keys between
+    /// which it must are neared by straight steps that grow ever smaller.
     fn best(&mut self, aims: &[Aim], start: Option<&[Vec3]>) -> Result<Answer<'a>, DirectError> {
-        let mut best = self.attempt(aims, Attempt::Guessed, None, start)?;
+        let mut steps = [Steps::Straight, Steps::Curved];
+        if self.has_several_keys_of_a_strand() {
+            steps.reverse();
+        }
+        let first = self.best_by(steps[0], aims, start)?;
+        if first.is_good(self.options) || start.is_some() {
+            return Ok(first);
+        }
+        let second = self.best_by(steps[1], aims, None)?;
+        Ok(if second.is_better_than(&first) { second } else { first })
+    }
+
+    fn has_several_keys_of_a_strand(&self) -> bool {
+        self.ground.strands.len() < self.drag.keys.len()
+    }
+
+    /// Attempts until one meets its keys and moves no more violently than it may; the best of them.
+    fn best_by(
+        &mut self,
+        steps: Steps,
+        aims: &[Aim],
+        start: Option<&[Vec3]>,
+    ) -> Result<Answer<'a>, DirectError> {
+        let mut best = self.attempt(aims, Attempt::Guessed, steps, None, start)?;
         let n_attempts = if start.is_some() { ATTEMPTS_OF_A_HAND } else { ATTEMPTS.len() };
+        let mut was_in_vain = false;
         for kind in ATTEMPTS.into_iter().take(n_attempts) {
             if best.is_good(self.options) {
                 break;
             }
-            let next = self.attempt(aims, kind, Some(&best), None)?;
-            if next.is_better_than(&best) {
+            if was_in_vain && matches!(kind, Attempt::Known) {
+                // It would begin and end where the last one did.
+                continue;
+            }
+            let next = self.attempt(aims, kind, steps, Some(&best), None)?;
+            was_in_vain = !next.is_better_than(&best);
+            if !was_in_vain {
                 best = next;
             }
         }
@@ -153,6 +192,7 @@ impl<'a> Solver<'a> {
         &mut self,
         aims: &[Aim],
         kind: Attempt,
+        steps: Steps,
         last: Option<&Answer<'a>>,
         start: Option<&[Vec3]>,
     ) -> Result<Answer<'a>, DirectError> {
@@ -171,13 +211,50 @@ impl<'a> Solver<'a> {
         };
         let start = start.filter(|start| start.len() == problem.n());
         let starts = start.map_or_else(|| problem.starts(), |start| vec![start.to_vec()]);
-        let found = self.descend(problem, starts, Weights { keys: 0.0, peaks: CALM })?;
+        let found = self.descend(problem, starts, Weights { keys: 0.0, peaks: CALM }, steps)?;
         if !found.run.is_met() || found.is_good(self.options) {
             return Ok(found);
         }
         let weights = Weights { keys: f64::INFINITY, peaks: CALMER };
-        let calmer = self.descend(found.problem.clone(), vec![found.vectors.clone()], weights)?;
+        let calmer = self.descend(found.problem.clone(), vec![found.vectors.clone()], weights, steps)?;
         Ok(if calmer.is_better_than(&found) { calmer } else { found })
+    }
+
+    /// What an answer with these layers became.
+    fn outcome(&self, best: &Answer<'_>, layers: &[FieldLayer], aims: Vec<Aim>) -> SolvedOutcome {
+        let Self { ground, drag, options, .. } = self;
+        let strongest = best.vectors.iter().map(Vec3::norm).fold(0.0, f64::max);
+        let demanded = ground.demanded(&drag.keys, options.tolerance_m);
+        let outcome = |((found, key), aim): ((&FoundKey, &LayerKey), Aim)| {
+            let after = (best.run.place(ground, found) - found.target_m).norm() * 1e3;
+            let residual_mm = Change { before: (found.unedited_m - found.target_m).norm() * 1e3, after };
+            let is_met = after <= options.tolerance_m * 1e3;
+            let by_wind = strongest >= 0.98 * options.limit;
+            let found = if by_wind {
+                Unreachable::TooWeak { by_mm: after, limit: options.limit }
+            } else {
+                Unreachable::NotFound { by_mm: after }
+            };
+            let unreachable = (!is_met).then(|| aim.why.unwrap_or(found));
+            KeyOutcome { key: key.clone(), aimed_m: aim.place_m, residual_mm, unreachable }
+        };
+        SolvedOutcome {
+            name: drag.name.clone(),
+            edit_id: drag.edit_id.clone(),
+            muted: drag.muted,
+            first_secs: drag.first_secs,
+            last_secs: best.problem.last_secs(),
+            keys: drag.keys.iter().zip(self.keys).zip(aims).map(outcome).collect(),
+            strongest,
+            acceleration_ratio: best.ratios.acceleration,
+            jerk_ratio: best.ratios.jerk,
+            least_acceleration_ratio: demanded.acceleration,
+            least_jerk_ratio: demanded.jerk,
+            peaks_demanded: demanded.largest() > options.peak_ratio,
+            n_runs: self.n_runs,
+            n_layers: layers.len(),
+            n_handles: layers.iter().map(|layer| layer.handles.len()).sum(),
+        }
     }
 }
 
@@ -195,47 +272,4 @@ impl Answer<'_> {
             self.run.miss < other.run.miss
         }
     }
-}
-
-fn outcome(
-    best: &Answer<'_>,
-    ground: &Ground,
-    drag: &Drag,
-    keys: &[LayerKey],
-    aims: Vec<Aim>,
-    options: &DirectOptions,
-) -> Result<SolvedOutcome, DirectError> {
-    let strongest = best.vectors.iter().map(Vec3::norm).fold(0.0, f64::max);
-    let demanded = ground.demanded(&drag.keys, options.tolerance_m);
-    let outcome = |((found, key), aim): ((&FoundKey, &LayerKey), Aim)| {
-        let after = (best.run.place(ground, found) - found.target_m).norm() * 1e3;
-        let residual_mm = Change { before: (found.unedited_m - found.target_m).norm() * 1e3, after };
-        let is_met = after <= options.tolerance_m * 1e3;
-        let by_wind = strongest >= 0.98 * options.limit;
-        let found = if by_wind {
-            Unreachable::TooWeak { by_mm: after, limit: options.limit }
-        } else {
-            Unreachable::NotFound { by_mm: after }
-        };
-        let unreachable = (!is_met).then(|| aim.why.unwrap_or(found));
-        KeyOutcome { key: key.clone(), aimed_m: aim.place_m, residual_mm, unreachable }
-    };
-    let layers = best.problem.layers(&best.vectors);
-    Ok(SolvedOutcome {
-        name: drag.name.clone(),
-        edit_id: drag.edit_id.clone(),
-        muted: drag.muted,
-        first_secs: drag.first_secs,
-        last_secs: best.problem.last_secs(),
-        keys: drag.keys.iter().zip(keys).zip(aims).map(outcome).collect(),
-        strongest,
-        acceleration_ratio: best.ratios.acceleration,
-        jerk_ratio: best.ratios.jerk,
-        least_acceleration_ratio: demanded.acceleration,
-        least_jerk_ratio: demanded.jerk,
-        peaks_demanded: demanded.largest() > options.peak_ratio,
-        n_runs: 0,
-        n_layers: layers.len(),
-        n_handles: layers.iter().map(|layer| layer.handles.len()).sum(),
-    })
 }

@@ -1,7 +1,7 @@
 //! The search itself.
 
 use super::problem::{Problem, Weights};
-use super::{Answer, Run, Solver};
+use super::{Answer, Run, Solver, Steps};
 use crate::DirectError;
 use crate::normal::{Normal, between, updated};
 use nalgebra::{DMatrix, DVector};
@@ -37,6 +37,9 @@ const WELL_MET: f64 = 0.1;
 /// A step that makes the squares less by no more than this share is the last: with keys met well, and without.
 const TOO_LITTLE: (f64, f64) = (0.1, 1e-2);
 
+/// How rows curve along a step is seen from this share of it, forth and back.
+const AROUND: f64 = 0.25;
+
 /// Derivatives that foretold so much of what a step gained are brought up to date by what it did; others are taken anew,
 /// and so they are at the end if a step leaves more than that of the squares.
 const FORETOLD: f64 = 0.6;
@@ -52,6 +55,8 @@ struct Descent<'p, 'a> {
     is_fresh: bool,
     damping: f64,
     weights: Weights,
+    steps: Steps,
+    n_runs: usize,
 }
 
 /// What became of a step.
@@ -71,14 +76,13 @@ impl<'a> Solver<'a> {
         problem: Problem<'a>,
         starts: Vec<Vec<Vec3>>,
         least: Weights,
+        steps: Steps,
     ) -> Result<Answer<'a>, DirectError> {
-        self.n_runs += starts.len() + 3 * problem.n();
-        let mut descent = Descent::new(&problem, starts, least)?;
+        let mut descent = Descent::new(&problem, starts, least, steps)?;
         let (mut keys_last, mut n_jacobians) = (KEYS_LAST, 1);
         for _ in 0..MAX_STEPS {
             let was_fresh = descent.is_fresh;
             let Stepped { left, is_foretold } = descent.step()?;
-            self.n_runs += DAMPINGS.len();
             let (is_better, is_last) = (left < 1.0, descent.weights.keys >= keys_last);
             let too_little = if descent.run.miss <= WELL_MET { TOO_LITTLE.0 } else { TOO_LITTLE.1 };
             let is_settled = is_better && is_last && left > 1.0 - too_little;
@@ -99,10 +103,10 @@ impl<'a> Solver<'a> {
                 }
                 descent.refresh()?;
                 n_jacobians += 1;
-                self.n_runs += 3 * problem.n();
             }
         }
-        let Descent { vectors, run, .. } = descent;
+        let Descent { vectors, run, n_runs, .. } = descent;
+        self.n_runs += n_runs;
         let ratios = problem.ratios(&vectors)?;
         Ok(Answer { problem, vectors, run, ratios })
     }
@@ -114,7 +118,9 @@ impl<'p, 'a> Descent<'p, 'a> {
         problem: &'p Problem<'a>,
         mut starts: Vec<Vec<Vec3>>,
         least: Weights,
+        steps: Steps,
     ) -> Result<Self, DirectError> {
+        let n_runs = starts.len() + 3 * problem.n();
         let mut runs = problem.run(&starts)?;
         let misses = runs.iter().map(|run| run.miss).enumerate();
         let (k, miss) = misses.min_by(|a, b| a.1.total_cmp(&b.1)).expect("some starts");
@@ -122,7 +128,8 @@ impl<'p, 'a> Descent<'p, 'a> {
         let keys = f64::max(least.keys, KEYS_FIRST / miss.max(1e-9)).min(KEYS_LAST);
         let jacobian = problem.jacobian(&vectors, &run)?;
         let weights = Weights { keys, ..least };
-        Ok(Self { problem, vectors, run, jacobian, is_fresh: true, damping: FIRST_DAMPING, weights })
+        let (is_fresh, damping) = (true, FIRST_DAMPING);
+        Ok(Self { problem, vectors, run, jacobian, is_fresh, damping, weights, steps, n_runs })
     }
 
     /// Goes the best of some steps, if one helps; else the next will be more careful.
@@ -130,8 +137,13 @@ impl<'p, 'a> Descent<'p, 'a> {
         let weights = self.run.weights(self.weights);
         let cost = |rows: &DVector<f64>| rows.component_mul(&weights).norm_squared();
         let normal = Normal::new(&self.jacobian, &self.run.rows, &weights);
-        let moved = |times: f64| self.problem.moved(&self.vectors, &normal.step(times * self.damping));
-        let mut tried = DAMPINGS.map(moved).to_vec();
+        let mut steps = DAMPINGS.map(|times| normal.step(times * self.damping)).to_vec();
+        if self.steps == Steps::Curved {
+            steps.extend(self.curved(&normal, &steps)?);
+        }
+        let mut tried: Vec<Vec<Vec3>> =
+            steps.iter().map(|step| self.problem.moved(&self.vectors, step)).collect();
+        self.n_runs += tried.len();
         let mut runs = self.problem.run(&tried)?;
         let costs = runs.iter().map(|run| cost(&run.rows)).enumerate();
         let (k, after) = costs.min_by(|a, b| a.1.total_cmp(&b.1)).expect("some steps");
@@ -147,13 +159,30 @@ impl<'p, 'a> Descent<'p, 'a> {
         // Nothing is copied: a Jacobian may have some thousand rows.
         self.jacobian = updated(std::mem::take(&mut self.jacobian), &moved, &did);
         self.is_fresh = false;
-        self.damping = (self.damping * DAMPINGS[k]).max(DAMPING.0);
+        self.damping = (self.damping * DAMPINGS[k % DAMPINGS.len()]).max(DAMPING.0);
         (self.vectors, self.run) = (vectors, next);
         Ok(Stepped { left: after / before, is_foretold: before - after > FORETOLD * foretold })
     }
 
+    /// Steps of all the dampings that follow the curves on which rows change: see [`Normal::curve`].
+    fn curved(&mut self, normal: &Normal, steps: &[DVector<f64>]) -> Result<Vec<DVector<f64>>, DirectError> {
+        let around = [-AROUND, AROUND].map(|share| {
+            steps.iter().map(move |step| step * share).map(|step| self.problem.moved(&self.vectors, &step))
+        });
+        let around: Vec<Vec<Vec3>> = around.into_iter().flatten().collect();
+        self.n_runs += around.len();
+        let runs = self.problem.run(&around)?;
+        let (back, forth) = runs.split_at(steps.len());
+        let curved = |(k, step): (usize, &DVector<f64>)| {
+            let second = (&back[k].rows - &self.run.rows * 2.0 + &forth[k].rows) / (AROUND * AROUND);
+            step + normal.curve(DAMPINGS[k] * self.damping, step, &second)
+        };
+        Ok(steps.iter().enumerate().map(curved).collect())
+    }
+
     /// Takes the derivatives anew.
     fn refresh(&mut self) -> Result<(), DirectError> {
+        self.n_runs += 3 * self.problem.n();
         self.jacobian = self.problem.jacobian(&self.vectors, &self.run)?;
         self.is_fresh = true;
         self.damping = self.damping.min(FRESH_DAMPING);

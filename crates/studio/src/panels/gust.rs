@@ -1,14 +1,13 @@
 //! A change of the wind at some place: its numbers, and what of it is dragged in the picture.
 
 use super::overlay;
-use super::picture::{Place, go_on, grabbed, handle};
+use super::picture::{EditHandle, Place, edit_handle};
 use super::widgets::{Change, number};
 use crate::app::Studio;
-use crate::drag::{Dragging, Part};
-use crate::edits::StackedEdit;
+use crate::drag::Part;
 use crate::gust::{arrow_end_m, arrow_m};
 use crate::theme;
-use eframe::egui::{DragValue, PointerButton, Pos2, Shape, Stroke, Ui};
+use eframe::egui::{DragValue, Pos2, Shape, Stroke, Ui};
 use tousle_core::Vec3;
 use tousle_edit::{WindChange, WindEdit};
 
@@ -62,10 +61,19 @@ pub fn handles(ui: &Ui, studio: &mut Studio, place: &Place) {
         && let Some(end) = place.at(end_m)
     {
         ui.painter().arrow(center, end - center, Stroke::new(3.0, theme::WARM));
-        part(ui, studio, place, &edit, (Part::Arrow { arrow_m }, end_m, end));
+        let name = format!("Arrow of {}", edit.name);
+        let part = Part::Arrow { arrow_m };
+        edit_handle(ui, studio, place, &edit, EditHandle { name, part, at_m: end_m, at: end });
     }
     overlay::target(ui.painter(), center);
-    part(ui, studio, place, &edit, (Part::Center, wind.center_m, center));
+    let name = format!("Place of {}", edit.name);
+    edit_handle(
+        ui,
+        studio,
+        place,
+        &edit,
+        EditHandle { name, part: Part::Center, at_m: wind.center_m, at: center },
+    );
 }
 
 fn ring(ui: &Ui, wind: &WindEdit, place: &Place) {
@@ -78,25 +86,4 @@ fn ring(ui: &Ui, wind: &WindEdit, place: &Place) {
         .collect();
     let painter = ui.painter_at(place.rect);
     painter.extend(Shape::dashed_line(&points, Stroke::new(1.5, theme::WARM), 5.0, 5.0));
-}
-
-/// A part that can be dragged: which, and where it is in head space, m, and in the window.
-fn part(
-    ui: &Ui,
-    studio: &mut Studio,
-    place: &Place,
-    edit: &StackedEdit,
-    (part, from_m, at): (Part, Vec3, Pos2),
-) {
-    let name = match part {
-        Part::Arrow { .. } => format!("Arrow of {}", edit.name),
-        _ => format!("Place of {}", edit.name),
-    };
-    let response = handle(ui, at, &name);
-    if let Some(wanted) = edit.wanted_again().filter(|_| response.drag_started_by(PointerButton::Primary)) {
-        studio.player.playing = false;
-        studio.drag = Some(Dragging::new(wanted, part, from_m, place.eye, place.pixel(grabbed(ui, at))));
-    }
-    go_on(studio, place, &response, part);
-    response.on_hover_text(name);
 }

@@ -4,7 +4,7 @@ use super::{gust, legend, overlay};
 use crate::app::Studio;
 use crate::camera::{Eye, Pixel};
 use crate::drag::{Dragging, Grip, Part};
-use crate::edits::Pull;
+use crate::edits::{Pull, StackedEdit};
 use crate::instant;
 use crate::pick;
 use crate::theme;
@@ -190,17 +190,35 @@ fn target(ui: &Ui, studio: &mut Studio, place: &Place) {
     let Some(at) = place.at(target_m) else { return };
     overlay::target(ui.painter(), at);
     let name = format!("Target of {}", edit.name);
+    edit_handle(ui, studio, place, &edit, EditHandle { name, part, at_m: target_m, at });
+}
+
+/// A part of an edit that can be dragged.
+pub struct EditHandle {
+    /// Its accessible name.
+    pub name: String,
+    /// Which part.
+    pub part: Part,
+    /// Where it is in head space, m.
+    pub at_m: Vec3,
+    /// Where it is in the window.
+    pub at: Pos2,
+}
+
+/// A handle that drags a part of an edit, which is then made again.
+pub fn edit_handle(ui: &Ui, studio: &mut Studio, place: &Place, edit: &StackedEdit, handle_of: EditHandle) {
+    let EditHandle { name, part, at_m, at } = handle_of;
     let response = handle(ui, at, &name);
     if let Some(wanted) = edit.wanted_again().filter(|_| response.drag_started_by(PointerButton::Primary)) {
         studio.player.playing = false;
-        studio.drag = Some(Dragging::new(wanted, part, target_m, place.eye, place.pixel(grabbed(ui, at))));
+        studio.drag = Some(Dragging::new(wanted, part, at_m, place.eye, place.pixel(grabbed(ui, at))));
     }
     go_on(studio, place, &response, part);
     response.on_hover_text(name);
 }
 
 /// A round widget with an accessible name.
-pub fn handle(ui: &Ui, at: Pos2, name: &str) -> Response {
+fn handle(ui: &Ui, at: Pos2, name: &str) -> Response {
     let rect = Rect::from_center_size(at, Vec2::splat(16.0));
     let response = ui.interact(rect, ui.scope_id().with(name), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
@@ -208,7 +226,7 @@ pub fn handle(ui: &Ui, at: Pos2, name: &str) -> Response {
 }
 
 /// Where a handle was grabbed: where the button went down, for the pointer may have moved on since.
-pub fn grabbed(ui: &Ui, handle: Pos2) -> Pos2 {
+fn grabbed(ui: &Ui, handle: Pos2) -> Pos2 {
     ui.input(|input| input.pointer.press_origin()).unwrap_or(handle)
 }
 
@@ -240,7 +258,7 @@ fn begin(studio: &mut Studio, place: &Place, grabbed: Pos2, strand_idx: usize, p
 }
 
 /// The drag of this part follows the pointer; when it is let go, the edit is made.
-pub fn go_on(studio: &mut Studio, place: &Place, response: &Response, part: Part) {
+fn go_on(studio: &mut Studio, place: &Place, response: &Response, part: Part) {
     let Some(drag) = studio.drag.as_mut().filter(|drag| drag.part == part) else { return };
     let is_done = response.drag_stopped();
     if !(is_done || response.dragged() && response.drag_delta() != Vec2::ZERO) {
