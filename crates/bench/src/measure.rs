@@ -100,7 +100,7 @@ fn judge(
     let cost = watch.stop();
     let simulate = match setting.fit {
         FitMethod::Paper(_) => SimOptions::of(Method::Paper),
-        _ => SimOptions { dt_secs: Some(1.0 / 60.0), ..SimOptions::of(Method::Physical) },
+        _ => SimOptions::of(Method::Physical),
     };
     let judged = sim_in_field(folder, &field, &scene, &simulate)?;
     let score =
