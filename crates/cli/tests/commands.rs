@@ -228,6 +228,26 @@ fn previews_are_there_if_they_are_wanted() {
     assert!(inspection.out.contains("/preview/wind"), "{}", inspection.out);
 }
 
+/// Whoever writes a file with previews again makes them again, of what it then holds.
+#[test]
+fn previews_stay_when_a_file_is_written_again() {
+    let room = Room::new();
+    let convert = "convert gusts.c3d --method paper --session session.json --voxel-mm 50";
+    room.run(&format!("{convert} -o shown.eff.mcap --preview")).ended(0);
+    room.run("recover shown.eff.mcap -o saved.eff.mcap").ended(0);
+    room.run("migrate shown.eff.mcap -o migrated.eff.mcap").ended(0);
+    let shown = room.read("shown.eff.mcap");
+    assert!(room.read("saved.eff.mcap") == shown && room.read("migrated.eff.mcap") == shown);
+    room.run("edit shown.eff.mcap --groom bob.json --edits lift.toml -o edited.eff.mcap").ended(0);
+    let edited = room.read("edited.eff.mcap");
+    let eff = tousle_eff::read(&edited[..], &tousle_eff::ReadOptions::default()).unwrap();
+    assert!(!eff.field.layers.is_empty());
+    let mut whole = Vec::new();
+    let options = tousle_eff::WriteOptions::default().with_preview();
+    tousle_eff::write(&eff, &mut whole, &options, &tousle_core::NoProgress).unwrap();
+    assert!(edited == whole, "{} bytes instead of {}", edited.len(), whole.len());
+}
+
 /// Sessions, grooms and edits: all that is wrong, at once, and what is sound is said to be.
 #[test]
 fn files_that_people_write_are_validated() {

@@ -9,7 +9,7 @@ use tousle_field::FieldLayer;
 /// Writes a field file again with other edits.
 ///
 /// The packed numbers are copied as they are: however often a field is edited, its voxels stay what they were.
-/// One step at a time is in memory.
+/// One step at a time is in memory. Previews, if there are any, are made anew.
 ///
 /// # Errors
 /// [`EffError::Unsound`] if something that is copied is not sound, [`EffError::BadValue`] if a layer cannot be,
@@ -26,7 +26,7 @@ pub fn replace_layers<R: Read + Seek, W: Write>(
     manifest.field.n_steps = Some(reader.n_steps());
     let edits = Edits { layers: layers.iter().map(Into::into).collect() };
     head::check(&manifest, &edits)?;
-    let mut writer = Writer::begin(out, manifest, &edits, &reader.poses()?)?;
+    let mut writer = Writer::begin(out, manifest, &edits, &reader.poses()?, reader.has_preview())?;
     for attachment in reader.attachments()? {
         writer.attachment(&attachment)?;
     }

@@ -17,7 +17,8 @@ pub struct Migration {
     pub written: WriteReport,
 }
 
-/// Writes a sound file of any version again in the newest one. Packed numbers are copied, so nothing is lost.
+/// Writes a sound file of any version again in the newest one. Packed numbers are copied, so nothing is lost, and
+/// previews are made anew.
 ///
 /// # Errors
 /// [`EffError::Unsound`] if the file is not sound: then [`recover()`] is what is wanted;

@@ -75,6 +75,11 @@ impl<R: Read + Seek> Reader<R> {
         &self.layers
     }
 
+    /// Whether the file has channels for viewers.
+    pub(crate) fn has_preview(&self) -> bool {
+        self.index.has_preview
+    }
+
     /// How many steps the field has.
     pub fn n_steps(&self) -> u64 {
         self.index.count(topic::FIELD)

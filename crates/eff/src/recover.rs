@@ -53,7 +53,7 @@ impl Recovery {
 /// Writes a sound file of all that is whole in a damaged one: cut, or hit in the middle.
 ///
 /// The packed numbers of whole steps are copied as they are, so nothing is lost twice. One step at a time is in
-/// memory. A file that is whole is written again, with nothing lost.
+/// memory. Previews, if there are channels of any, are made anew. A file that is whole is written again, with nothing lost.
 ///
 /// # Errors
 /// [`EffError::Unsound`] if there is no sound manifest or no whole step, so that nothing can be saved;
@@ -73,7 +73,7 @@ pub fn recover<R: Read + Seek, W: Write>(
     let poses = bridge::poses(&mut found, &old);
     let manifest = new_manifest(&old, &found, first, last, poses.len() as u64);
     let edits = found.edits.take().unwrap_or(Edits { layers: Vec::new() });
-    let mut writer = Writer::begin(out, manifest, &edits, &poses)?;
+    let mut writer = Writer::begin(out, manifest, &edits, &poses, found.has_preview)?;
     for &offset in &found.attachments {
         writer.attachment(&attachment_at(&mut input, offset)?)?;
     }

@@ -137,15 +137,11 @@ impl<W: Write> Writer<W> {
         let edits = Edits { layers: head.layers.iter().map(Into::into).collect() };
         let manifest = head::manifest(head, options.encoding)?;
         head::check(&manifest, &edits)?;
-        Self::begin_with(out, manifest, &edits, &head.scene.poses.poses, options.has_preview)
+        Self::begin(out, manifest, &edits, &head.scene.poses.poses, options.has_preview)
     }
 
     /// Begins a file with a manifest that was checked.
-    pub(crate) fn begin(out: W, manifest: Manifest, edits: &Edits, poses: &[Pose]) -> Result<Self, EffError> {
-        Self::begin_with(out, manifest, edits, poses, false)
-    }
-
-    fn begin_with(
+    pub(crate) fn begin(
         out: W,
         mut manifest: Manifest,
         edits: &Edits,

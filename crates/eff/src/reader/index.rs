@@ -25,6 +25,8 @@ pub(super) struct Index {
     by_channel: BTreeMap<u16, Vec<usize>>,
     /// Where the attachments are.
     pub attachments: Vec<u64>,
+    /// Whether there are channels for viewers.
+    pub has_preview: bool,
 }
 
 /// The footer and the magic after it.
@@ -65,7 +67,7 @@ impl Index {
         check_header(input)?;
         let summary_start = read_footer(input, length)?;
         let summary = read_summary(input, summary_start, length)?;
-        let (version, channels) = check_channels(&summary)?;
+        let Channels { version, by_topic, has_preview } = check_channels(&summary)?;
         let Some(statistics) = summary.statistics else {
             return Err(at(summary_start).finding(Code::Summary, "statistics", "none", "one record").into());
         };
@@ -82,11 +84,12 @@ impl Index {
         }
         Ok(Self {
             version,
-            channels,
+            channels: by_topic,
             counts: statistics.channel_message_counts,
             chunks: summary.chunks,
             by_channel,
             attachments: summary.attachments.iter().map(|a| a.offset).collect(),
+            has_preview,
         })
     }
 }
@@ -164,8 +167,16 @@ fn read_summary<R: Read + Seek>(input: &mut R, start: u64, length: u64) -> Resul
     }
 }
 
-/// The channels of the format, each as its version has it, and that version.
-fn check_channels(summary: &Summary) -> Result<(u32, BTreeMap<&'static str, u16>), EffError> {
+/// The channels that a file has.
+struct Channels {
+    /// The version of all of them.
+    version: u32,
+    by_topic: BTreeMap<&'static str, u16>,
+    has_preview: bool,
+}
+
+/// The channels of the format, each as its version has it.
+fn check_channels(summary: &Summary) -> Result<Channels, EffError> {
     struct Deaf;
     impl Listener for Deaf {
         fn manifest(&mut self, _manifest: &Manifest) -> Result<(), EffError> {
@@ -192,5 +203,6 @@ fn check_channels(summary: &Summary) -> Result<(u32, BTreeMap<&'static str, u16>
             .finding(Code::Channel, "schema_id", found, "channels of one version")
             .into());
     };
-    Ok((*version, data.streams().map(|(id, stream)| (stream.topic, id)).collect()))
+    let by_topic = data.streams().map(|(id, stream)| (stream.topic, id)).collect();
+    Ok(Channels { version: *version, by_topic, has_preview: data.has_preview() })
 }

@@ -36,6 +36,8 @@ pub(super) struct Inventory {
     pub steps: BTreeMap<u64, Place>,
     /// Where the attachments are.
     pub attachments: Vec<u64>,
+    /// Whether there are channels for viewers.
+    pub has_preview: bool,
     attachment_names: BTreeSet<String>,
     pub losses: Vec<Loss>,
 }
@@ -53,6 +55,7 @@ impl Inventory {
                 _ => {}
             }
         }
+        inventory.has_preview = data.has_preview();
         inventory.count();
         Ok(inventory)
     }

@@ -236,6 +236,11 @@ impl<'v> Data<'v> {
         }
     }
 
+    /// Whether there was a channel of a preview.
+    pub fn has_preview(&self) -> bool {
+        !self.previews.is_empty()
+    }
+
     /// Whether a channel is one of those that previews have, with the schema they have.
     fn is_preview(&mut self, channel: &Channel<'_>) -> bool {
         let stream = PREVIEWS.iter().find(|stream| {
