@@ -31,7 +31,7 @@ pub use parts::{Count, Keeper, Part};
 pub use report::{PlanEntry, SimReport, Simulation};
 pub use resident::{Held, Simulator};
 
-use timeline::Timeline;
+use timeline::{Runs, Timeline};
 use tousle_core::{Groom, Progress};
 use tousle_field::{FieldSequence, Scene};
 use tousle_rod::Surface;
@@ -85,5 +85,5 @@ pub fn simulate_kept(
     keeper: Option<&dyn Keeper>,
     progress: &dyn Progress,
 ) -> Result<Simulation, SimError> {
-    Simulator::new(field, scene, groom, options)?.simulate_kept(&field.layers, keeper, progress)
+    Simulator::new(field, scene, groom, options)?.run(&field.layers, keeper, progress, Runs::Once)
 }

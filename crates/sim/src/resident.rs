@@ -1,5 +1,6 @@
 //! A simulation that stays prepared while the layers on its field change.
 
+use crate::timeline::Runs;
 use crate::{Keeper, Method, SimError, SimOptions, Simulation, check, paper, physical};
 use tousle_core::{Groom, Progress, StrandMotion};
 use tousle_field::{FieldLayer, FieldSequence, Scene};
@@ -82,22 +83,20 @@ impl<'a> Simulator<'a> {
     /// # Errors
     /// [`SimError::Unstable`] if the layers' wind is too strong for the step of an explicit integrator.
     pub fn simulate(&self, layers: &[FieldLayer], progress: &dyn Progress) -> Result<Simulation, SimError> {
-        self.simulate_kept(layers, None, progress)
+        self.run(layers, None, progress, Runs::Again)
     }
 
-    /// [`Simulator::simulate`] part by part, as [`crate::simulate_kept`].
-    ///
-    /// # Errors
-    /// As [`Simulator::simulate`], and [`SimError::Keeper`], [`SimError::OtherPart`] where the keeper fails.
-    pub fn simulate_kept(
+    /// Runs all strands part by part, as [`crate::simulate_kept`].
+    pub(crate) fn run(
         &self,
         layers: &[FieldLayer],
         keeper: Option<&dyn Keeper>,
         progress: &dyn Progress,
+        runs: Runs,
     ) -> Result<Simulation, SimError> {
         match &self.ready {
-            Ready::Paper(ready) => ready.run(layers, keeper, progress),
-            Ready::Physical(ready) => ready.run(layers, keeper, progress),
+            Ready::Paper(ready) => ready.run(layers, keeper, progress, runs),
+            Ready::Physical(ready) => ready.run(layers, keeper, progress, runs),
         }
     }
 

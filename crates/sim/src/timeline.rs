@@ -65,6 +65,13 @@ const MAX_FRAMES: f64 = 1e7;
 const MAX_STEPS_PER_FRAME: f64 = 1e6;
 const MAX_POSITIONS: f64 = 1e9;
 
+/// How often hair is run through a field.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Runs {
+    Once,
+    Again,
+}
+
 /// More points than this, and a step's field is laid together for the whole grid before they ask.
 const TOGETHER_FROM: usize = 6_000;
 
@@ -185,18 +192,14 @@ impl<'a> Timeline<'a> {
         self.head.is_shot
     }
 
-    /// How the field is best read by some points in every step, run after run.
-    pub fn reading(&self, n_points: usize) -> Reading {
-        if n_points > TOGETHER_FROM { Reading::Together } else { Reading::LaidOut }
-    }
-
-    /// How it is best read for a single run.
-    pub fn reading_once(&self, n_points: usize) -> Reading {
+    /// How the field is best read by some points in every step.
+    pub fn reading(&self, n_points: usize, runs: Runs) -> Reading {
         let per_field_step = n_points as f64 / (self.dt_secs() * self.field.rate_hz);
-        if per_field_step > LAID_OUT_FROM * self.field.grid.n_voxels() as f64 {
-            self.reading(n_points)
-        } else {
-            Reading::AsTheyLie
+        let few = per_field_step <= LAID_OUT_FROM * self.field.grid.n_voxels() as f64;
+        match runs {
+            Runs::Once if few => Reading::AsTheyLie,
+            _ if n_points > TOGETHER_FROM => Reading::Together,
+            _ => Reading::LaidOut,
         }
     }
 

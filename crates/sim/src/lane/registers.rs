@@ -99,6 +99,7 @@ pub(super) fn on_scalars<Op: NullaryFnOnce>(op: Op) -> Op::Output {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::timeline::Runs;
     use crate::{Method, SimOptions, paper, physical};
     use tousle_bench::worlds::{gusts, mannequin, wig};
     use tousle_core::NoProgress;
@@ -116,12 +117,12 @@ mod tests {
                         Method::Paper => {
                             let mut ready = paper::Ready::new(&field, &scene, &groom, &options).unwrap();
                             ready.registers = *registers;
-                            ready.run(&[], None, &NoProgress)
+                            ready.run(&[], None, &NoProgress, Runs::Again)
                         }
                         Method::Physical => {
                             let mut ready = physical::Ready::new(&field, &scene, &groom, &options).unwrap();
                             ready.registers = *registers;
-                            ready.run(&[], None, &NoProgress)
+                            ready.run(&[], None, &NoProgress, Runs::Again)
                         }
                     };
                     simulation.unwrap().motion.positions_m

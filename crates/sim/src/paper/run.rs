@@ -8,7 +8,7 @@ use crate::lane::{Lane, Registers, WithLanes};
 use crate::parts::{Count, Part, run_parts};
 use crate::plan::plan;
 use crate::stability::limit;
-use crate::timeline::{StepScene, Timeline};
+use crate::timeline::{Runs, StepScene, Timeline};
 use crate::touchable::{n_reaching, touchable};
 use crate::{Keeper, SimError, SimOptions, SimReport, Simulation};
 use core::fmt::Debug;
@@ -127,9 +127,10 @@ impl<'a> Ready<'a> {
         layers: &[FieldLayer],
         keeper: Option<&dyn Keeper>,
         progress: &dyn Progress,
+        runs: Runs,
     ) -> Result<Simulation, SimError> {
         let mut layered = self.layered(layers)?;
-        layered.reading = layered.timeline.reading_once(self.groom.n_points());
+        layered.reading = layered.timeline.reading(self.groom.n_points(), runs);
         let timeline = &layered.timeline;
         let order: Vec<usize> = (0..self.strands.len()).collect();
         let spans = (timeline.n_frames, timeline.n_steps());
@@ -221,7 +222,7 @@ impl<'a> Ready<'a> {
             terms: timeline.terms,
             friction: self.scene.body.friction,
         };
-        let reading = timeline.reading(self.groom.n_points());
+        let reading = timeline.reading(self.groom.n_points(), Runs::Again);
         Ok(Layered { timeline, sampler: self.sampler.with_layers(layers), reading, model, limit })
     }
 

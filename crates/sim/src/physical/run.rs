@@ -9,7 +9,7 @@ use crate::frames::max_stretch;
 use crate::lane::{F64x1, Lane, Registers, WithLanes};
 use crate::parts::{Part, run_parts};
 use crate::plan::plan;
-use crate::timeline::Timeline;
+use crate::timeline::{Runs, Timeline};
 use crate::touchable::{n_reaching, touchable};
 use crate::{Integrator, Keeper, Precision, SimError, SimOptions, SimReport, Simulation};
 use core::fmt::Debug;
@@ -131,9 +131,10 @@ impl<'a> Ready<'a> {
         layers: &[FieldLayer],
         keeper: Option<&dyn Keeper>,
         progress: &dyn Progress,
+        runs: Runs,
     ) -> Result<Simulation, SimError> {
         let mut layered = self.layered(layers)?;
-        layered.reading = layered.timeline.reading_once(self.groom.n_points());
+        layered.reading = layered.timeline.reading(self.groom.n_points(), runs);
         let timeline = &layered.timeline;
         let all: Vec<usize> = (0..self.prepared.len()).collect();
         let spans = (timeline.n_frames, timeline.n_steps());
@@ -263,7 +264,7 @@ impl<'a> Ready<'a> {
             friction: self.scene.body.friction,
             resolution_m: if options.precision == Precision::Single { 5e-7 } else { 0.0 },
         };
-        let reading = timeline.reading(self.groom.n_points());
+        let reading = timeline.reading(self.groom.n_points(), Runs::Again);
         Ok(Layered { timeline, sampler: self.sampler.with_layers(layers), reading, model, limit })
     }
 
