@@ -5,6 +5,25 @@
 //! for every number of an array, and the compiler makes vectors of it. Where two are fused it is by [`Lane::mul_add`],
 //! which rounds once on every machine, with or without an instruction for it: so every machine gives the same bits.
 
+/// What adds and subtracts in place.
+macro_rules! in_place {
+    ($name:ident) => {
+        impl core::ops::AddAssign for $name {
+            #[inline(always)]
+            fn add_assign(&mut self, other: Self) {
+                *self = *self + other;
+            }
+        }
+
+        impl core::ops::SubAssign for $name {
+            #[inline(always)]
+            fn sub_assign(&mut self, other: Self) {
+                *self = *self - other;
+            }
+        }
+    };
+}
+
 mod array;
 mod functions;
 mod matrix;
@@ -173,6 +192,31 @@ mod tests {
         }
         assert_eq!((F64x1::zero().sqrt().get(0), F32x1::zero().sqrt().get(0)), (0.0, 0.0));
         assert!(F64x1::splat(f64::NAN).sqrt().get(0).is_nan());
+    }
+
+    /// A choice among the numbers of each strand, and the largest of all.
+    struct Choice;
+
+    impl WithLanes for Choice {
+        type Output = ();
+
+        fn with<L: Lane>(self) {
+            let x = L::from_fn(|lane| lane as f64);
+            let chosen = x.above(x.same(1.5), x.same(10.0), -x);
+            for lane in 0..L::N {
+                assert_eq!(chosen.get(lane), if lane > 1 { 10.0 } else { -(lane as f64) });
+            }
+            assert_eq!(x.largest(), (L::N - 1) as f64);
+            assert_eq!((x / L::zero()).largest(), f64::INFINITY);
+        }
+    }
+
+    #[test]
+    fn a_choice_is_made_for_each_strand() {
+        for registers in Registers::here() {
+            registers.with_lanes(Precision::Double, Choice);
+            registers.with_lanes(Precision::Single, Choice);
+        }
     }
 
     /// What can be done with 16 pairs of numbers, in lanes that fit some registers. Out: what came of it, operation after

@@ -1,8 +1,8 @@
 use super::Lane;
-use super::functions::closer;
+use super::functions::{per_sixth_root_from, per_sqrt_from};
 use super::number::Number;
 use super::registers::{on_any, on_scalars};
-use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 use pulp::NullaryFnOnce;
 
 macro_rules! elementwise {
@@ -34,19 +34,7 @@ macro_rules! lane {
         elementwise!($name, $indices, Div, div, /);
         lane!(@functions $name, $t, $n, $indices, $dispatch);
 
-        impl AddAssign for $name {
-            #[inline(always)]
-            fn add_assign(&mut self, other: Self) {
-                *self = *self + other;
-            }
-        }
-
-        impl SubAssign for $name {
-            #[inline(always)]
-            fn sub_assign(&mut self, other: Self) {
-                *self = *self - other;
-            }
-        }
+        in_place!($name);
     };
     (@functions $name:ident, $t:ident, $n:literal, [$($k:literal)*], $dispatch:path) => {
         impl Neg for $name {
@@ -103,23 +91,13 @@ macro_rules! lane {
 
             #[inline(always)]
             fn per_sqrt(self) -> Self {
-                let mut root = Self([$(self.0[$k].guess_per_sqrt()),*]);
-                for terms in $t::TO_PER_SQRT {
-                    let rest = (-self * root).mul_add(root, Self::one());
-                    root = closer(root, rest, terms);
-                }
-                root
+                per_sqrt_from(self, Self([$(self.0[$k].guess_per_sqrt()),*]), $t::TO_PER_SQRT)
             }
 
             #[inline(always)]
             fn per_sixth_root(self) -> Self {
-                let mut root = Self([$(self.0[$k].guess_per_sixth_root()),*]);
-                for terms in $t::TO_PER_SIXTH_ROOT {
-                    let cube = root * root * root;
-                    let rest = (-self * cube).mul_add(cube, Self::one());
-                    root = closer(root, rest, terms);
-                }
-                root
+                let guess = Self([$(self.0[$k].guess_per_sixth_root()),*]);
+                per_sixth_root_from(self, guess, $t::TO_PER_SIXTH_ROOT)
             }
 
             #[inline(always)]

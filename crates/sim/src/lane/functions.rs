@@ -14,12 +14,33 @@ pub(crate) fn series<L: Lane, const N: usize>(x: L, terms: [f64; N]) -> L {
 
 /// A root r of x to the power of −1/k, brought closer: r (1 − h)^(−1/k), h = 1 − x rᵏ, by the terms of that series.
 #[inline(always)]
-pub(crate) fn closer<L: Lane>(root: L, rest: L, terms: &[f64]) -> L {
+fn closer<L: Lane>(root: L, rest: L, terms: &[f64]) -> L {
     let mut sum = root.same(terms[terms.len() - 1]);
     for k in (0..terms.len() - 1).rev() {
         sum = sum.mul_add(rest, root.same(terms[k]));
     }
     (root * rest).mul_add(sum, root)
+}
+
+/// [`Lane::per_sqrt`] from a guess, by as many steps as there are rows of terms.
+#[inline(always)]
+pub(super) fn per_sqrt_from<L: Lane>(x: L, mut root: L, steps: [&[f64]; 2]) -> L {
+    for terms in steps {
+        let rest = (-x * root).mul_add(root, x.same(1.0));
+        root = closer(root, rest, terms);
+    }
+    root
+}
+
+/// [`Lane::per_sixth_root`] likewise.
+#[inline(always)]
+pub(super) fn per_sixth_root_from<L: Lane>(x: L, mut root: L, steps: [&[f64]; 2]) -> L {
+    for terms in steps {
+        let cube = root * root * root;
+        let rest = (-x * cube).mul_add(cube, x.same(1.0));
+        root = closer(root, rest, terms);
+    }
+    root
 }
 
 /// e^(−x) − 1 for x ≥ 0, to a few units in the last place.

@@ -4,9 +4,9 @@
 //! to find vectors in arrays finds two thirds of them.
 
 use super::Lane;
-use super::functions::closer;
+use super::functions::{per_sixth_root_from, per_sqrt_from};
 use super::number::Number;
-use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 use pulp::bytemuck::cast;
 use pulp::x86::{V3, V4};
 use pulp::{NullaryFnOnce, Simd, b8, b16, f32x8, f32x16, f64x4, f64x8, m32x8, m64x4};
@@ -89,19 +89,7 @@ macro_rules! wide {
             }
         }
 
-        impl AddAssign for $name {
-            #[inline(always)]
-            fn add_assign(&mut self, other: Self) {
-                *self = *self + other;
-            }
-        }
-
-        impl SubAssign for $name {
-            #[inline(always)]
-            fn sub_assign(&mut self, other: Self) {
-                *self = *self - other;
-            }
-        }
+        in_place!($name);
 
         impl $name {
             #[inline(always)]
@@ -160,12 +148,8 @@ macro_rules! wide {
             fn per_sqrt(self) -> Self {
                 let half = self.simd.$shift_right::<1>(cast(self.numbers));
                 let at_one = self.simd.$splat_bits($t::PER_SQRT_AT_1);
-                let mut root = self.with(cast(self.simd.$sub_bits(at_one, half)));
-                for terms in $t::TO_PER_SQRT {
-                    let rest = (-self * root).mul_add(root, self.same(1.0));
-                    root = closer(root, rest, terms);
-                }
-                root
+                let guess = self.with(cast(self.simd.$sub_bits(at_one, half)));
+                per_sqrt_from(self, guess, $t::TO_PER_SQRT)
             }
 
             #[inline(always)]
@@ -174,13 +158,8 @@ macro_rules! wide {
                 let sixth = self.simd.mul_u32s(cast(first), self.simd.splat_u32s($t::SIXTH));
                 let sixth = self.simd.$shift_left::<{ $t::BELOW_FIRST_32 as _ }>(cast(sixth));
                 let at_one = self.simd.$splat_bits($t::PER_SIXTH_ROOT_AT_1);
-                let mut root = self.with(cast(self.simd.$sub_bits(at_one, sixth)));
-                for terms in $t::TO_PER_SIXTH_ROOT {
-                    let cube = root * root * root;
-                    let rest = (-self * cube).mul_add(cube, self.same(1.0));
-                    root = closer(root, rest, terms);
-                }
-                root
+                let guess = self.with(cast(self.simd.$sub_bits(at_one, sixth)));
+                per_sixth_root_from(self, guess, $t::TO_PER_SIXTH_ROOT)
             }
 
             #[inline(always)]

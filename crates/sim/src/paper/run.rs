@@ -129,8 +129,7 @@ impl<'a> Ready<'a> {
         progress: &dyn Progress,
         runs: Runs,
     ) -> Result<Simulation, SimError> {
-        let mut layered = self.layered(layers)?;
-        layered.reading = layered.timeline.reading(self.groom.n_points(), runs);
+        let layered = self.layered(layers, runs)?;
         let timeline = &layered.timeline;
         let order: Vec<usize> = (0..self.strands.len()).collect();
         let spans = (timeline.n_frames, timeline.n_steps());
@@ -151,12 +150,12 @@ impl<'a> Ready<'a> {
 
     /// Some strands, in ascending order, from the first frame to the last.
     pub fn run_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<Vec<[f32; 3]>, SimError> {
-        Ok(self.move_strands(&self.layered(layers)?, strands, &NoProgress))
+        Ok(self.move_strands(&self.layered(layers, Runs::Again)?, strands, &NoProgress))
     }
 
     /// Some strands, in ascending order, moved to a frame.
     pub fn hold(&self, layers: &[FieldLayer], strands: &[usize], frame: usize) -> Result<Held, SimError> {
-        let layered = self.layered(layers)?;
+        let layered = self.layered(layers, Runs::Again)?;
         let hold = Hold { ready: self, layered: &layered, strands, frame };
         Ok(self.registers.with_lanes(self.options.precision, hold))
     }
@@ -175,7 +174,7 @@ impl<'a> Ready<'a> {
         strands: &[usize],
         frames: (usize, usize),
     ) -> Result<Vec<[f32; 3]>, SimError> {
-        let layered = self.layered(layers)?;
+        let layered = self.layered(layers, Runs::Again)?;
         Ok(held.0.go_on(self, &layered, strands, frames))
     }
 
@@ -211,7 +210,7 @@ impl<'a> Ready<'a> {
         variants.par_iter().map(variant).collect()
     }
 
-    fn layered<'b>(&self, layers: &'b [FieldLayer]) -> Result<Layered<'b>, SimError>
+    fn layered<'b>(&self, layers: &'b [FieldLayer], runs: Runs) -> Result<Layered<'b>, SimError>
     where
         'a: 'b,
     {
@@ -222,7 +221,7 @@ impl<'a> Ready<'a> {
             terms: timeline.terms,
             friction: self.scene.body.friction,
         };
-        let reading = timeline.reading(self.groom.n_points(), Runs::Again);
+        let reading = timeline.reading(self.groom.n_points(), runs);
         Ok(Layered { timeline, sampler: self.sampler.with_layers(layers), reading, model, limit })
     }
 

@@ -133,8 +133,7 @@ impl<'a> Ready<'a> {
         progress: &dyn Progress,
         runs: Runs,
     ) -> Result<Simulation, SimError> {
-        let mut layered = self.layered(layers)?;
-        layered.reading = layered.timeline.reading(self.groom.n_points(), runs);
+        let layered = self.layered(layers, runs)?;
         let timeline = &layered.timeline;
         let all: Vec<usize> = (0..self.prepared.len()).collect();
         let spans = (timeline.n_frames, timeline.n_steps());
@@ -176,12 +175,12 @@ impl<'a> Ready<'a> {
 
     /// Some strands, in ascending order, from the first frame to the last.
     pub fn run_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<Vec<[f32; 3]>, SimError> {
-        Ok(self.move_strands(&self.layered(layers)?, strands, &NoProgress).positions_m)
+        Ok(self.move_strands(&self.layered(layers, Runs::Again)?, strands, &NoProgress).positions_m)
     }
 
     /// Some strands, in ascending order, moved to a frame.
     pub fn hold(&self, layers: &[FieldLayer], strands: &[usize], frame: usize) -> Result<Held, SimError> {
-        let layered = self.layered(layers)?;
+        let layered = self.layered(layers, Runs::Again)?;
         let march = self.march(&layered, strands, &NoProgress);
         let is_in_step = self.options.integrator().is_in_step();
         let hold = || self.registers.with_lanes(self.options.precision, Hold(march, frame));
@@ -196,7 +195,7 @@ impl<'a> Ready<'a> {
         strands: &[usize],
         frames: (usize, usize),
     ) -> Result<Vec<[f32; 3]>, SimError> {
-        let layered = self.layered(layers)?;
+        let layered = self.layered(layers, Runs::Again)?;
         let march = self.march(&layered, strands, &NoProgress);
         Ok(match &held.0 {
             Some(batches) => batches.go_on(&march, frames),
@@ -218,7 +217,7 @@ impl<'a> Ready<'a> {
             .par_chunks(n_at_once)
             .map(|variants| {
                 let all = [&[layers], variants].concat().concat();
-                let layered = self.layered(&all)?;
+                let layered = self.layered(&all, Runs::Again)?;
                 // One a lane: where there are fewer variants, the last one runs again and is not read.
                 let lanes: Vec<_> = (0..n_at_once).map(|k| variants[k.min(variants.len() - 1)]).collect();
                 let sampler = self.sampler.with_variants(layers, &lanes);
@@ -235,7 +234,7 @@ impl<'a> Ready<'a> {
         Ok(some.concat())
     }
 
-    fn layered<'b>(&self, layers: &'b [FieldLayer]) -> Result<Layered<'b>, SimError>
+    fn layered<'b>(&self, layers: &'b [FieldLayer], runs: Runs) -> Result<Layered<'b>, SimError>
     where
         'a: 'b,
     {
@@ -264,7 +263,7 @@ impl<'a> Ready<'a> {
             friction: self.scene.body.friction,
             resolution_m: if options.precision == Precision::Single { 5e-7 } else { 0.0 },
         };
-        let reading = timeline.reading(self.groom.n_points(), Runs::Again);
+        let reading = timeline.reading(self.groom.n_points(), runs);
         Ok(Layered { timeline, sampler: self.sampler.with_layers(layers), reading, model, limit })
     }
 
