@@ -4,8 +4,8 @@
 //!     cargo bench -p tousle-bench --bench stepping
 //!
 //! Strands of 16 points all over a head that stands still, with contacts, in gusts of 3 m/s; 60 steps and frames a
-//! second. An item is one point through one step. Every run is a whole one: `prepare` is what it takes before its first
-//! step (how the hair hangs, and one step), to be set against the others.
+//! second. An item is one point through one step, frames of the result included. What comes before the first step is
+//! measured by itself: `prepare` is a whole run of one step (how the hair hangs, what it can touch).
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -14,7 +14,7 @@ use std::sync::LazyLock;
 use tousle_bench::worlds::{gusts, mannequin, wig};
 use tousle_core::{Body, NoProgress};
 use tousle_field::{FieldSequence, Reading, SAMPLED_AT_ONCE, Sampler, Scene};
-use tousle_sim::{Method, Precision, SimOptions, TimeMode, simulate};
+use tousle_sim::{Method, Precision, SimOptions, Simulator, TimeMode, simulate};
 
 fn main() {
     divan::main();
@@ -56,56 +56,66 @@ impl Run {
         bencher.counter(ItemsCount::new(items)).bench_local(|| pool.install(&mut work));
     }
 
-    fn simulate(self, bencher: Bencher<'_, '_>, steps: u32, options: SimOptions) {
-        self.simulate_in(bencher, &mannequin(), steps, options);
-    }
-
-    fn simulate_in(self, bencher: Bencher<'_, '_>, scene: &Scene, steps: u32, options: SimOptions) {
-        let groom = wig(self.strands, N_POINTS);
-        let options = SimOptions {
+    fn options(self, steps: u32, options: SimOptions) -> SimOptions {
+        SimOptions {
             rate_hz: RATE_HZ,
             dt_secs: Some(1.0 / RATE_HZ),
             duration_secs: Some(f64::from(steps) / RATE_HZ),
             time: TimeMode::Loop,
             ..options
-        };
-        self.measure(bencher, steps, || {
-            black_box(simulate(&WIND, scene, &groom, &options, &NoProgress).expect("a sound world"));
+        }
+    }
+
+    /// All steps of strands that are prepared.
+    fn step(self, bencher: Bencher<'_, '_>, scene: &Scene, options: SimOptions) {
+        let (groom, options) = (wig(self.strands, N_POINTS), self.options(self.steps, options));
+        let simulator = Simulator::new(&WIND, scene, &groom, &options).expect("a sound world");
+        self.measure(bencher, self.steps, || {
+            black_box(simulator.simulate(&[], &NoProgress).expect("a sound world"));
+        });
+    }
+
+    /// A whole run of one step.
+    fn prepare(self, bencher: Bencher<'_, '_>, method: Method) {
+        let (scene, groom) = (mannequin(), wig(self.strands, N_POINTS));
+        let options = self.options(1, SimOptions::of(method));
+        self.measure(bencher, 1, || {
+            black_box(simulate(&WIND, &scene, &groom, &options, &NoProgress).expect("a sound world"));
         });
     }
 }
 
 #[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
 fn physical(bencher: Bencher<'_, '_>, run: Run) {
-    run.simulate(bencher, run.steps, SimOptions::of(Method::Physical));
+    run.step(bencher, &mannequin(), SimOptions::of(Method::Physical));
 }
 
 #[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
 fn physical_single(bencher: Bencher<'_, '_>, run: Run) {
     let options = SimOptions { precision: Precision::Single, ..SimOptions::of(Method::Physical) };
-    run.simulate(bencher, run.steps, options);
+    run.step(bencher, &mannequin(), options);
 }
 
 /// Without body: nothing to touch, beside a head that stands still and a field without edits.
 #[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
 fn physical_plain(bencher: Bencher<'_, '_>, run: Run) {
     let scene = Scene { body: Body::none(), ..mannequin() };
-    run.simulate_in(bencher, &scene, run.steps, SimOptions::of(Method::Physical));
+    run.step(bencher, &scene, SimOptions::of(Method::Physical));
 }
 
 #[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
 fn paper(bencher: Bencher<'_, '_>, run: Run) {
-    run.simulate(bencher, run.steps, SimOptions::of(Method::Paper));
+    run.step(bencher, &mannequin(), SimOptions::of(Method::Paper));
 }
 
 #[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
 fn prepare_physical(bencher: Bencher<'_, '_>, run: Run) {
-    run.simulate(bencher, 1, SimOptions::of(Method::Physical));
+    run.prepare(bencher, Method::Physical);
 }
 
 #[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
 fn prepare_paper(bencher: Bencher<'_, '_>, run: Run) {
-    run.simulate(bencher, 1, SimOptions::of(Method::Paper));
+    run.prepare(bencher, Method::Paper);
 }
 
 /// The field at the middle of every stick, at the time of every step.

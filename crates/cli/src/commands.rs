@@ -20,7 +20,7 @@ use anyhow::{Context, anyhow, bail};
 use serde::Serialize;
 use std::path::Path;
 use tousle_core::Groom;
-use tousle_eff::{Eff, Encoding, ReadOptions, WriteOptions, WriteReport};
+use tousle_eff::{Eff, EffError, Encoding, ReadOptions, WriteOptions, WriteReport};
 use tousle_field::{GridSpec, Scene};
 use tousle_groom::{GroomOptions, GroomReadError, HeadShape, Placement};
 use tousle_ingest::IngestOptions;
@@ -52,12 +52,15 @@ fn read_eff(path: &Path) -> anyhow::Result<Eff> {
 
 /// The field of a sound field file's bytes.
 fn sound_eff(bytes: &[u8], path: &Path) -> anyhow::Result<Eff> {
-    tousle_eff::read(bytes, &ReadOptions::default()).map_err(|e| {
-        anyhow!(e).context(format!(
-            "cannot use the field {} (`tousle validate` lists all that is wrong)",
-            path.display()
-        ))
-    })
+    tousle_eff::read(bytes, &ReadOptions::default()).map_err(|e| unusable(e, path))
+}
+
+/// Why a field file cannot be used.
+fn unusable(error: EffError, path: &Path) -> anyhow::Error {
+    anyhow!(error).context(format!(
+        "cannot use the field {} (`tousle validate` lists all that is wrong)",
+        path.display()
+    ))
 }
 
 /// Reads a groom; what it leaves out or changes is said on stderr.

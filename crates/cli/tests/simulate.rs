@@ -41,6 +41,29 @@ fn strands_follow_guides_and_the_report_says_how_well() {
 }
 
 #[test]
+fn a_short_run_reads_no_more_of_the_field_than_it_needs() {
+    let room = room_with_a_field();
+    let motion = |file: &str| tousle_export::read_motion_npz(&room.read(file)).unwrap().positions_m;
+    room.run("simulate f.eff.mcap --groom bob.json -o whole.npz").ended(0);
+    let whole = motion("whole.npz");
+    // What lies behind the first second is lost, and nobody who stops before it notices.
+    let file = std::fs::File::open(room.path("f.eff.mcap")).unwrap();
+    let n_steps = tousle_eff::Reader::open(file).unwrap().n_steps();
+    let mut bytes = room.read("f.eff.mcap");
+    let at = bytes.len() * 3 / 4;
+    bytes[at] ^= 0x10;
+    room.write("bad.eff.mcap", bytes);
+    for time in ["once", "loop", "hold"] {
+        let simulate = format!("simulate bad.eff.mcap --groom bob.json --time {time} --explain -o s.npz");
+        let run = room.run(&format!("{simulate} --duration-secs 1")).ended(0);
+        assert!(run.out.contains(&format!("31 of {n_steps} steps are read")), "{}", run.out);
+        let short = motion("s.npz");
+        assert!(short[..] == whole[..short.len()], "{time}");
+        room.run(&simulate).ended(1).says(&["bad.eff.mcap"]);
+    }
+}
+
+#[test]
 fn a_shots_head_comes_as_usd() {
     let room = room_with_a_field();
     let head = "#usda 1.0\n(upAxis = \"Y\" metersPerUnit = 0.01 timeCodesPerSecond = 24 startTimeCode = 1001)\n\

@@ -114,6 +114,23 @@ impl GridSpec {
         })
     }
 
+    /// The voxels that points of a box are read between, by its lower and its upper corner, head space, m: the first and
+    /// the last along each axis. All of an axis along which a corner is NaN.
+    pub fn voxels_around(&self, low_m: Vec3, high_m: Vec3) -> (VoxelIndex, VoxelIndex) {
+        let ends = |axis: usize| {
+            let last = self.dims[axis] - 1;
+            let place = |corner: Vec3| (corner[axis] - self.origin_m[axis]) / self.edge_m - 0.5;
+            // A hair's breadth more, so that rounding never leaves a neighbor out. A NaN becomes 0 here,
+            let low = ((place(low_m) - 1e-9).floor().max(0.0) as usize).min(last);
+            // and the last one here.
+            let high = (place(high_m) + 1e-9).ceil();
+            let high = if high < last as f64 { high.max(0.0) as usize } else { last };
+            (low, high.max(low))
+        };
+        let ends = [0, 1, 2].map(ends);
+        (VoxelIndex(ends.map(|(low, _)| low)), VoxelIndex(ends.map(|(_, high)| high)))
+    }
+
     /// The center of a voxel, head space, m.
     pub fn cell_center_m(&self, voxel: VoxelIndex) -> Vec3 {
         self.origin_m + Vec3::from(voxel.0.map(|i| i as f64 + 0.5)) * self.edge_m
@@ -149,6 +166,17 @@ mod tests {
         }
         assert_eq!(grid.voxel_at(Vec3::new(0.3, 0.0, 0.0)), None);
         assert_eq!(grid.voxel_at(Vec3::new(f64::NAN, 0.0, 0.0)), None);
+    }
+
+    #[test]
+    fn a_box_is_read_between_the_centers_around_it() {
+        let grid = GridSpec { origin_m: Vec3::zeros(), edge_m: 1.0, dims: [4, 4, 4] };
+        // Along x the centers 1.5 and 2.5, along y the nearest of the first voxel, along z from 1.5 to the end.
+        let found = grid.voxels_around(Vec3::new(1.6, 0.1, 2.0), Vec3::new(2.4, 0.4, 9.0));
+        assert_eq!(found, (VoxelIndex([1, 0, 1]), VoxelIndex([2, 0, 3])));
+        // On a center, with its neighbors; beyond the box, its side; nowhere, all.
+        let found = grid.voxels_around(Vec3::new(1.5, 7.0, f64::NAN), Vec3::new(1.5, 9.0, f64::NAN));
+        assert_eq!(found, (VoxelIndex([0, 3, 0]), VoxelIndex([2, 3, 3])));
     }
 
     #[test]

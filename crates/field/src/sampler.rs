@@ -1,4 +1,5 @@
-use crate::{Field, FieldLayer, FieldSequence, GridSpec};
+use crate::{Field, FieldLayer, FieldSequence, GridSpec, VoxelIndex};
+use core::ops::Range;
 use std::sync::{Arc, OnceLock};
 use tousle_core::Vec3;
 
@@ -11,6 +12,8 @@ pub struct Sampler<'a> {
     sequence: &'a FieldSequence,
     /// 1 for each voxel with air, 0 for one without; `None` if all have some.
     air: Option<Arc<[f32]>>,
+    /// What is laid out of each step.
+    kept: Window,
     /// Each step as it is looked up, once someone asks for it.
     laid_out: Arc<[OnceLock<Voxels>]>,
     /// Whether a step is still, outside the grid too.
@@ -56,6 +59,31 @@ impl<'a> Placed<'a> {
     fn acts_at(&self, point_m: Vec3, k: usize, turns: usize) -> bool {
         let (low, high) = &self.corners_m;
         self.turn.is_none_or(|turn| k % turns == turn) && *low <= point_m && point_m <= *high
+    }
+}
+
+/// Some voxels of a grid, side by side.
+#[derive(Clone, Copy, Debug)]
+struct Window {
+    first: [usize; 3],
+    dims: [usize; 3],
+}
+
+impl Window {
+    fn whole(grid: &GridSpec) -> Self {
+        Self { first: [0; 3], dims: grid.dims }
+    }
+
+    fn n_voxels(&self) -> usize {
+        self.dims.iter().product()
+    }
+
+    /// Passes on the flat indices in a grid of each row along z.
+    fn rows(self, grid: GridSpec) -> impl Iterator<Item = Range<usize>> {
+        let [[x, y, z], [nx, ny, nz]] = [self.first, self.dims];
+        let row = move |x, y| grid.flat(VoxelIndex([x, y, z]));
+        let along_y = move |x| (y..y + ny).map(move |y| row(x, y));
+        (x..x + nx).flat_map(along_y).map(move |first| first..first + nz)
     }
 }
 
@@ -129,6 +157,7 @@ impl<'a> Sampler<'a> {
         let is_still = |step: &Field| step.outside == Vec3::zeros() && step.u.iter().all(|u| *u == 0.0);
         Self {
             sequence,
+            kept: Window::whole(grid),
             laid_out: sequence.steps.iter().map(|_| OnceLock::new()).collect(),
             is_still: sequence.steps.iter().map(is_still).collect(),
             air: any_without.then(|| has_air.iter().map(|air| f32::from(u8::from(*air))).collect()),
@@ -138,6 +167,28 @@ impl<'a> Sampler<'a> {
             per_edge: (1.0 / grid.edge_m) as f32,
             fades_over: (0.5 * shortest) as f32,
         }
+    }
+
+    /// The same for points of a box alone, by its lower and its upper corner, head space, m: of each step no more is laid
+    /// out than these need. They see the same to the bit; others see what is nearest to them in the box.
+    pub fn within(self, low_m: Vec3, high_m: Vec3) -> Self {
+        let grid = &self.sequence.grid;
+        // Single precision may see a point on the other side of a voxel's center.
+        let slack_m = Vec3::repeat(1e-3 * grid.edge_m);
+        let (VoxelIndex(first), VoxelIndex(last)) = grid.voxels_around(low_m - slack_m, high_m + slack_m);
+        let dims = [0, 1, 2].map(|axis| last[axis] - first[axis] + 1);
+        let laid_out = self.sequence.steps.iter().map(|_| OnceLock::new()).collect();
+        Self { kept: Window { first, dims }, laid_out, ..self }
+    }
+
+    /// The field.
+    pub fn sequence(&self) -> &'a FieldSequence {
+        self.sequence
+    }
+
+    /// How many voxels of a step are laid out.
+    pub fn n_kept(&self) -> usize {
+        self.kept.n_voxels()
     }
 
     /// The same steps under other layers than the sequence's own.
@@ -197,40 +248,44 @@ impl<'a> Sampler<'a> {
     }
 
     fn lay_out(&self, step: usize) -> Voxels {
-        let Raw { vectors: [x, y, z], air } = self.raw(step);
-        // Slices of one length: only so the compiler makes vector instructions of the loop.
-        let n = x.len();
-        let mut voxels = vec![[0.0; 4]; n + 1];
-        for v in 0..n {
-            voxels[v] = [x[v], y[v], z[v], 1.0];
-        }
-        if let Some(air) = air {
-            for (voxel, air) in voxels.iter_mut().zip(air) {
-                voxel[3] = *air;
+        let Raw { vectors, air } = self.raw(step);
+        let mut voxels = vec![[0.0; 4]; self.kept.n_voxels() + 1];
+        for (voxels, row) in voxels.chunks_mut(self.kept.dims[2]).zip(self.kept.rows(self.sequence.grid)) {
+            // Slices of one length: only so the compiler makes vector instructions of the loop.
+            let [x, y, z] = vectors.map(|component| &component[row.clone()]);
+            for (k, voxel) in voxels.iter_mut().enumerate() {
+                *voxel = [x[k], y[k], z[k], 1.0];
+            }
+            if let Some(air) = air {
+                for (voxel, air) in voxels.iter_mut().zip(&air[row]) {
+                    voxel[3] = *air;
+                }
             }
         }
         voxels.into_boxed_slice()
     }
 
-    /// Where points lie in the grid.
+    /// Where points lie in a window of the grid.
     #[inline(always)]
-    fn places(&self, points_m: &[[f32; WIDTH]; 3]) -> Places {
-        let GridSpec { dims, .. } = self.sequence.grid;
-        let strides = [(dims[1] * dims[2]) as u32, dims[2] as u32, 1];
+    fn places(&self, points_m: &[[f32; WIDTH]; 3], window: Window) -> Places {
+        let strides = [(window.dims[1] * window.dims[2]) as u32, window.dims[2] as u32, 1];
         let mut low = [0; WIDTH];
         let mut steps = [[0; WIDTH]; 2];
         let mut shares = [[0.0; WIDTH]; 3];
         let mut beyond2 = [0.0f32; WIDTH];
         for axis in 0..3 {
-            let (size, last) = (dims[axis] as f32, dims[axis] - 1);
+            let size = self.sequence.grid.dims[axis] as f32;
+            let first = window.first[axis];
+            let last = first + window.dims[axis] - 1;
             for k in 0..WIDTH {
                 let place = (points_m[axis][k] - self.origin[axis]) * self.per_edge;
                 let beyond = larger(larger(-place, place - size), 0.0);
                 beyond2[k] += beyond * beyond;
-                let at = smaller(larger(place - 0.5, 0.0), last as f32);
-                let voxel = floor_index(at);
+                let at = smaller(larger(place - 0.5, first as f32), last as f32);
+                // A whole number may count as the end of the voxel before.
+                let voxel = floor_index(at).max(first as u32);
                 shares[axis][k] = at - voxel as f32;
-                low[k] += voxel * strides[axis];
+                low[k] += (voxel - first as u32) * strides[axis];
                 if axis < 2 {
                     steps[axis][k] = if voxel < last as u32 { strides[axis] } else { 0 };
                 }
@@ -278,7 +333,11 @@ impl Moment<'_> {
     /// Inlined into the caller, so that it is compiled for the processor that the caller was dispatched for.
     #[inline(always)]
     pub fn sample_many(&self, points_m: &[[f32; WIDTH]; 3]) -> [[f32; WIDTH]; 3] {
-        let places = self.sampler.places(points_m);
+        let window = match &self.source {
+            Source::AsTheyLie { .. } => Window::whole(&self.sampler.sequence.grid),
+            _ => self.sampler.kept,
+        };
+        let places = self.sampler.places(points_m, window);
         let sums = match &self.source {
             Source::Together(voxels) => places.gather(voxels),
             Source::LaidOut { before, after, share } => places.gather_mixed(*before, *after, *share),
@@ -358,7 +417,13 @@ impl Places {
     #[inline(always)]
     fn around(&self, voxels: impl Pairs, k: usize) -> [[f32; 8]; 4] {
         let (low, step_x, step_y) = (self.low[k], self.steps[0][k], self.steps[1][k]);
-        [low, low + step_y, low + step_x, low + step_x + step_y].map(|flat| voxels.pair(flat))
+        // Written out: `map` would be a call for each point, of code for any processor.
+        [
+            voxels.pair(low),
+            voxels.pair(low + step_y),
+            voxels.pair(low + step_x),
+            voxels.pair(low + step_x + step_y),
+        ]
     }
 
     /// Vectors and weights between the eight voxels around each point, by components.
@@ -470,6 +535,30 @@ mod tests {
                 }
                 let found = READINGS.map(|reading| sampler.at(time, reading).sample(single));
                 assert!(found.iter().all(|f| *f == found[0]), "{time} {point} {found:?}");
+            }
+        }
+    }
+
+    /// Points of a box see the same wherever no more than it needs is laid out; of a box beyond the grid, too.
+    #[test]
+    fn points_of_a_box_need_no_more_than_it_holds() {
+        let grid = GridSpec { dims: [6, 5, 4], ..GridSpec::cube(0.6, 0.1).unwrap() };
+        let in_head = |p: Vec3| p.norm() < 0.12;
+        let sequence = sequence(grid, in_head);
+        let whole = Sampler::new(&sequence, in_head);
+        for (low, high) in [
+            (Vec3::new(-0.11, -0.07, -0.2), Vec3::new(0.08, 0.12, -0.05)),
+            (Vec3::new(0.2, -0.5, -0.2), Vec3::new(0.5, -0.1, 0.6)),
+        ] {
+            let part = whole.clone().within(low, high);
+            assert!(part.n_kept() < whole.n_kept());
+            for k in 0..1000 {
+                let shares = Vec3::new(f64::from(k % 10), f64::from(k / 10 % 10), f64::from(k / 100)) / 9.0;
+                let point = (low + (high - low).component_mul(&shares)).map(|c| c as f32).into();
+                for reading in READINGS {
+                    let [part, whole] = [&part, &whole].map(|s| s.at(0.07, reading).sample(point));
+                    assert_eq!(part, whole, "{point:?} {reading:?}");
+                }
             }
         }
     }

@@ -41,7 +41,8 @@ impl<L: Lane, I: Iterator<Item = Vector<L>>> NullaryFnOnce for PutEnds<'_, I> {
             let mut at = first + stick;
             for (lane, n) in n_sticks.iter().enumerate() {
                 if stick < *n {
-                    points[at] = rows.map(|row| row[lane]);
+                    // Written out: `map` would be a call for each point.
+                    points[at] = [rows[0][lane], rows[1][lane], rows[2][lane]];
                 }
                 at += n;
             }

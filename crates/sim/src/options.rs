@@ -87,10 +87,27 @@ impl SimOptions {
         Self { method, ..Self::default() }
     }
 
+    /// The times of a field with this start that a run asks for, s, from the first to the last; `None`: all of them.
+    ///
+    /// Of a field that ends later than these, the steps beyond make no difference to any bit of the result.
+    pub fn span_secs(&self, field_start_secs: f64) -> Option<[f64; 2]> {
+        let first = self.start_secs.unwrap_or(field_start_secs);
+        let last = first + (n_frames(self.duration_secs?, self.rate_hz) - 1.0) / self.rate_hz;
+        // What is played again before its start is played from its end.
+        let is_all = self.time == TimeMode::Loop && first < field_start_secs;
+        (!is_all).then_some([field_start_secs, last])
+    }
+
     /// The integrator: the one asked for, or the method's default.
     pub fn integrator(&self) -> Integrator {
         self.integrator.unwrap_or(Integrator::of(self.method)[0])
     }
+}
+
+/// Frames of a run that lasts so long, the first at its start.
+pub(crate) fn n_frames(duration_secs: f64, rate_hz: f64) -> f64 {
+    // A millionth of a frame keeps the last one where the span is a whole number of frames.
+    (duration_secs * rate_hz + 1e-6).floor() + 1.0
 }
 
 impl Default for SimOptions {

@@ -2,7 +2,7 @@ use crate::TorsoGrip;
 use crate::report::PlanEntry;
 use crate::timeline::Timeline;
 use tousle_core::{Body, Quantity};
-use tousle_field::{FieldLayer, FieldSequence, Scene};
+use tousle_field::{FieldLayer, FieldSequence, Sampler, Scene};
 
 /// Which terms of the equations a run has: decided once, before the first step.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ impl Terms {
 
 /// Every term of E1 and E2: what runs, what was left out and why. `n_reaching`: strands that can reach each collider.
 pub(crate) fn plan(
-    field: &FieldSequence,
+    sampler: &Sampler<'_>,
     scene: &Scene,
     timeline: &Timeline<'_>,
     n_reaching: &[usize],
@@ -51,7 +51,7 @@ pub(crate) fn plan(
     vec![
         entry("strength", true, "each joint bends towards its natural shape, with internal damping"),
         gravity(timeline),
-        wind(field, terms),
+        wind(sampler, terms),
         air(terms),
         head_movement(timeline, terms),
         entry(
@@ -78,17 +78,19 @@ fn gravity(timeline: &Timeline<'_>) -> PlanEntry {
     }
 }
 
-fn wind(field: &FieldSequence, terms: &Terms) -> PlanEntry {
-    let n_steps = field.steps.len();
+fn wind(sampler: &Sampler<'_>, terms: &Terms) -> PlanEntry {
+    let field = sampler.sequence();
+    let blows = |how: &str| {
+        let (kept, all) = (sampler.n_kept(), field.grid.n_voxels());
+        entry("wind", true, format!("{how}; of {all} voxels the groom can reach {kept}"))
+    };
     match terms.quantity {
         _ if !terms.wind => {
-            entry("wind", false, format!("every vector of the {n_steps} field steps is zero"))
+            entry("wind", false, format!("every vector of the {} field steps is zero", field.steps.len()))
         }
         Quantity::AirVelocity if !terms.air => entry("wind", false, "the air has no density to push with"),
-        Quantity::AirVelocity => {
-            entry("wind", true, "air velocity, through the drag law, less the strand's own")
-        }
-        Quantity::ForcePerMass => entry("wind", true, "force per mass, as it is"),
+        Quantity::AirVelocity => blows("air velocity, through the drag law, less the strand's own"),
+        Quantity::ForcePerMass => blows("force per mass, as it is"),
     }
 }
 

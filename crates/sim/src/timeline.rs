@@ -1,6 +1,7 @@
+use crate::lane::{Lane, Matrix, Vector};
+use crate::options::n_frames;
 use crate::plan::Terms;
 use crate::{SimError, SimOptions, TimeMode, TorsoGrip};
-use nalgebra::Point3;
 use tousle_core::{Attachment, HeadMotion, Pose, PoseTrack, Vec3};
 use tousle_field::{FieldLayer, FieldSequence, Moment, Reading, Sampler, Scene};
 use tousle_rod::Surface;
@@ -79,11 +80,17 @@ const TOGETHER_FROM: usize = 6_000;
 const LAID_OUT_FROM: f64 = 0.1;
 
 impl StepScene<'_> {
-    /// Velocity of the body's surface at a point, head space, m/s: the torso moves as the head sees it.
-    pub fn surface_velocity(&self, on_torso: bool, point_m: Vec3) -> Vec3 {
+    /// Velocity of the body's surface at points of head space, m/s: the torso moves as the head sees it.
+    #[inline(always)]
+    pub fn surface_velocity<L: Lane>(&self, on_torso: bool, points_m: Vector<L>) -> Vector<L> {
+        let like = points_m.x;
         match &self.torso_before_from_after {
-            Some(pose) if on_torso => (point_m - (pose * Point3::from(point_m)).coords) / self.dt_secs,
-            _ => Vec3::zeros(),
+            Some(pose) if on_torso => {
+                let turn = Matrix::same(like, pose.rotation.to_rotation_matrix().matrix());
+                let before_m = turn.mul_vector(points_m) + Vector::same(like, pose.translation.vector);
+                (points_m - before_m) * like.same(1.0 / self.dt_secs)
+            }
+            _ => Vector::none(like),
         }
     }
 }
@@ -106,8 +113,7 @@ impl<'a> Timeline<'a> {
         if !(duration_secs.is_finite() && duration_secs >= 0.0) {
             return Err(bad_option("duration_secs", duration_secs, "0 or a number above"));
         }
-        // A millionth of a frame keeps the last one where the span is a whole number of frames.
-        let n_frames = (duration_secs * options.rate_hz + 1e-6).floor() + 1.0;
+        let n_frames = n_frames(duration_secs, options.rate_hz);
         if n_frames > MAX_FRAMES || n_frames * n_points as f64 > MAX_POSITIONS {
             return Err(bad_option("duration_secs", duration_secs, "at most 1e7 frames and 1e9 positions"));
         }

@@ -1,8 +1,8 @@
-//! What a strand can touch.
+//! What a strand can touch, and where it can get.
 
 use crate::timeline::Timeline;
-use tousle_core::Attachment;
-use tousle_field::Scene;
+use tousle_core::{Attachment, Vec3};
+use tousle_field::{Sampler, Scene};
 use tousle_rod::{Lock, Rest, Surface};
 
 /// A collider that a strand can reach.
@@ -13,6 +13,9 @@ pub(crate) struct Touchable {
     /// Whether the torso carries it.
     pub on_torso: bool,
 }
+
+/// Rounding may make a strand longer, but not by as much, as a share of it.
+const STRETCH: f64 = 1e-3;
 
 /// The colliders that a strand can reach. The torso's, once the head turns, may come to it.
 pub(crate) fn touchable(
@@ -44,4 +47,17 @@ pub(crate) fn n_reaching<'a>(scene: &Scene, reached: impl Iterator<Item = &'a [T
     let mut n_reaching = vec![0; scene.body.colliders.len()];
     reached.flatten().for_each(|touchable| n_reaching[touchable.collider] += 1);
     n_reaching
+}
+
+/// A sampler for all places where strands can get: none is farther from its root than it is long.
+pub(crate) fn within_reach<'a, 'b>(
+    sampler: Sampler<'a>,
+    locks: impl Iterator<Item = &'b Lock>,
+) -> Sampler<'a> {
+    let nowhere = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+    let (low_m, high_m) = locks.fold(nowhere, |(low, high), lock| {
+        let reach = Vec3::repeat(lock.reach_m() * (1.0 + STRETCH));
+        (low.inf(&(lock.root_m - reach)), high.sup(&(lock.root_m + reach)))
+    });
+    sampler.within(low_m, high_m)
 }

@@ -4,20 +4,22 @@ mod head;
 mod outputs;
 mod resume;
 
-use super::{check_ending, ending, print_json, read_eff, read_groom};
+use super::{check_ending, ending, print_json, read_groom, unusable};
 use crate::args::{ShapeArg, SimulateArgs};
 use crate::ui::Outcome;
-use anyhow::bail;
+use anyhow::{Context, bail};
 use guided::Simulated;
 use outputs::Outputs;
 use resume::Resumable;
+use std::fs::File;
 use std::io::{Seek, Write};
 use std::path::Path;
 use tousle_core::{Groom, Quantity, StrandMotion};
+use tousle_eff::{Eff, Part, ReadOptions, Reader};
 use tousle_export::{ExportError, HairGeometry, UsdOptions};
 use tousle_field::Scene;
 use tousle_pipeline::{Watch, write_whole};
-use tousle_sim::{Method, Precision, SimOptions};
+use tousle_sim::{Method, PlanEntry, Precision, SimOptions};
 
 /// `tousle simulate`
 pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
@@ -27,10 +29,9 @@ pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
             bail!("output {}: found it twice, expected each once", output.display());
         }
     }
-    let mut eff = read_eff(&args.field)?;
+    let Asked { mut eff, mut options, plan } = read_field(args)?;
     let groom = read_groom(&args.groom, &args.groom_args, &eff.scene, &eff.field.grid)?;
     let mut assumed = body::put_meshes(&mut eff.scene.body, &args.body_args, &groom, watch)?;
-    let mut options = options(args, eff.field.quantity);
     if let Some(head) = head::read_head(args, &eff)? {
         options.head = Some(head.poses);
         assumed.extend(head.assumed);
@@ -38,6 +39,7 @@ pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let resumable = Resumable::open(args, &options)?;
     let mut simulated = guided::simulate(&eff, &groom, &options, args, resumable.as_ref(), watch)?;
     simulated.report.assumed.extend(assumed);
+    simulated.report.plan.insert(0, plan);
     let scene = Scene { poses: options.head.unwrap_or_else(|| eff.scene.poses.clone()), ..eff.scene.clone() };
     let mut usd = usd_options(&scene, args.shape);
     usd.with_body = args.with_body;
@@ -58,6 +60,32 @@ pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         }
     }
     Ok(Outcome::Fine)
+}
+
+/// What a run asks a field file for.
+struct Asked {
+    /// The steps that it needs, with their scene and their edits.
+    eff: Eff,
+    options: SimOptions,
+    /// What was read and what was left in the file.
+    plan: PlanEntry,
+}
+
+fn read_field(args: &SimulateArgs) -> anyhow::Result<Asked> {
+    let path = &args.field;
+    let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let mut reader = Reader::open(file).map_err(|e| unusable(e, path))?;
+    let info = &reader.manifest().field;
+    let options = options(args, info.quantity.into());
+    let mut part = Part::default();
+    part.span_secs = options.span_secs(info.start_secs);
+    let of = reader.n_steps();
+    let eff = reader.part(&part, &ReadOptions::default()).map_err(|e| unusable(e, path))?;
+    let why = format!(
+        "{} of {of} steps are read; measured samples, previews and attachments stay in the file",
+        eff.field.steps.len()
+    );
+    Ok(Asked { eff, options, plan: PlanEntry { term: "field".to_owned(), active: true, why } })
 }
 
 fn options(args: &SimulateArgs, quantity: Quantity) -> SimOptions {

@@ -1,6 +1,7 @@
 //! Transcendental functions where they are needed, by power series: the same on every machine.
 
 use super::Lane;
+use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Σ terms[k] xᵏ.
 #[inline(always)]
@@ -86,6 +87,48 @@ pub(crate) fn cos_and_sine_share<L: Lane>(x2: L) -> (L, L) {
     (series(x2, COSINE), series(x2, SINE))
 }
 
+/// cos x and sin x.
+#[inline(always)]
+pub(crate) fn cos_and_sine<L: Lane>(x: L) -> (L, L) {
+    let (x2, one) = (x * x, x.same(1.0));
+    let (mut cos, share) = cos_and_sine_share(x2.min(one));
+    let mut sin = x * share;
+    if x2.any_above(one) {
+        for lane in (0..L::N).filter(|lane| x2.get(*lane) > 1.0) {
+            let (s, c) = libm::sincos(x.get(lane));
+            sin.set(lane, s);
+            cos.set(lane, c);
+        }
+    }
+    (cos, sin)
+}
+
+/// An angle over its sine, from the sine's square and the cosine, for angles that are neither next to nothing nor next to
+/// half a turn; to a few units in the last place.
+#[inline(always)]
+pub(crate) fn angle_per_sine<L: Lane>(sin2: L, cos: L) -> L {
+    let (half, two) = (cos.same(0.5), cos.same(2.0));
+    let least = cos.max(-cos);
+    // Up to a third of a right angle by its own sine: from a right angle down, or the half of what is farther from it.
+    let sine2_of_half = sin2 / (two + least + least);
+    let near = least.above(half, sine2_of_half, cos * cos);
+    let angle = series(near, ARCSINE) * least.above(half, sine2_of_half.sqrt(), cos);
+    let to_end = cos.above(half, angle + angle, cos.same(PI) - (angle + angle));
+    least.above(half, to_end, cos.same(FRAC_PI_2) - angle) * sin2.per_sqrt()
+}
+
+/// Of arcsin(s)/s in s²; below ¼ the first term that is left out is below 1e-17.
+const ARCSINE: [f64; 24] = {
+    let mut terms = [1.0; 24];
+    let (mut k, mut product) = (1, 1.0);
+    while k < 24 {
+        product *= (2 * k - 1) as f64 / (2 * k) as f64;
+        terms[k] = product / (2 * k + 1) as f64;
+        k += 1;
+    }
+    terms
+};
+
 /// (−1)ᵏ / (2 k + 1)! and (−1)ᵏ / (2 k)!
 const SINE: [f64; 9] = alternating(1);
 const COSINE: [f64; 10] = alternating(0);
@@ -123,7 +166,21 @@ mod tests {
             let (cos, share) = cos_and_sine_share(F64x1::splat(angle * angle));
             close(cos, libm::cos(angle));
             close(share * F64x1::splat(angle), libm::sin(angle));
+            let (cos, sin) = cos_and_sine(F64x1::splat(-long));
+            assert!(
+                (cos.get(0) - libm::cos(long)).abs() < 2e-16 && (sin.get(0) + libm::sin(long)).abs() < 2e-16
+            );
         }
         assert_eq!(fade(F64x1::splat(f64::INFINITY)).get(0), -1.0);
+    }
+
+    #[test]
+    fn an_angle_is_found_from_its_sine_and_cosine() {
+        for k in 1..3140 {
+            let angle = f64::from(k) * 1e-3;
+            let (sin, cos) = libm::sincos(angle);
+            let found = angle_per_sine(F64x1::splat(sin * sin), F64x1::splat(cos)).get(0);
+            assert!((found * sin / angle - 1.0).abs() < 2e-15, "{angle}: {}", found * sin);
+        }
     }
 }

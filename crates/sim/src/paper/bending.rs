@@ -1,5 +1,5 @@
 use super::{Batch, Work};
-use crate::lane::{Lane, Turn, Vector, series};
+use crate::lane::{Lane, Turn, Vector, angle_per_sine, series};
 use tousle_rod::{ANGLE_OVER_SINE, shortest_rotation, shortest_turn};
 
 impl<L: Lane> Batch<L> {
@@ -32,12 +32,19 @@ fn shortest<L: Lane>(from: Vector<L>, to: Vector<L>) -> (Vector<L>, Turn<L>) {
     let cross = from.cross(to);
     let cos = from.dot(to);
     let sin2 = cross.norm_squared();
-    let mut angles = cross * series(sin2, ANGLE_OVER_SINE);
+    let mut per_sine = series(sin2, ANGLE_OVER_SINE);
     let mut turn = Turn { w: from.x.same(1.0) + cos, v: cross }.normalized();
-    // The series is for less than 10 degrees. What is beyond is rare.
+    let zero = from.x.same(0.0);
+    // The series is for less than 10 degrees.
     let fits = (from.x.same(SERIES_SIN2) - sin2).min(cos);
-    if !fits.all_above(from.x.same(0.0)) {
-        for lane in (0..L::N).filter(|lane| fits.get(*lane) <= 0.0) {
+    if !fits.all_above(zero) {
+        per_sine = fits.above(zero, per_sine, angle_per_sine(sin2, cos));
+    }
+    let mut angles = cross * per_sine;
+    // Folded back, by axes of which there are many.
+    let folded = from.x.same(FOLDED_COS) - cos;
+    if folded.any_above(zero) {
+        for lane in (0..L::N).filter(|lane| folded.get(*lane) > 0.0) {
             let (from, to) = (from.get(lane), to.get(lane));
             angles.set(lane, shortest_turn(from, to));
             let rotation = shortest_rotation(from, to);
@@ -50,3 +57,6 @@ fn shortest<L: Lane>(from: Vector<L>, to: Vector<L>) -> (Vector<L>, Turn<L>) {
 
 /// Where the series of [`ANGLE_OVER_SINE`] ends.
 const SERIES_SIN2: f64 = 0.03;
+
+/// Below this cosine a turn's axis is seen with an error.
+const FOLDED_COS: f64 = -0.999;

@@ -142,8 +142,7 @@ impl<L: Lane> Contacts<L> {
             }
             let room_m = gap - clearance_m;
             let on_surface = margin_m.same(ON_SURFACE_M) - room_m.max(-room_m);
-            let surface_velocity =
-                Vector::from_fn(|lane| scene.surface_velocity(on_torso, work.end.get(lane)));
+            let surface_velocity = scene.surface_velocity(on_torso, work.end);
             self.touching.push(Touch {
                 slot,
                 stick,

@@ -1,5 +1,5 @@
 use super::{AirOnStick, Batch, PaperModel, Stick, Work};
-use crate::lane::{Lane, Symmetric, Vector};
+use crate::lane::{Lane, Symmetric, Vector, cos_and_sine};
 use crate::physical::STILL2;
 use crate::timeline::StepScene;
 use crate::wind::sample;
@@ -31,12 +31,7 @@ impl<L: Lane> Batch<L> {
             // Coriolis' force on a stick turns its rate about the stick and changes nothing else of it. To turn
             // the rate by that angle is exact for a stick alone and keeps its energy for every step.
             let angle = turning.dot(motion.direction) * self.damping_secs.same(-2.0 * dt_secs);
-            let (mut cos, mut sin) = (self.damping_secs.same(0.0), self.damping_secs.same(0.0));
-            for lane in 0..L::N {
-                let (s, c) = libm::sincos(angle.get(lane));
-                sin.set(lane, s);
-                cos.set(lane, c);
-            }
+            let (cos, sin) = cos_and_sine(angle);
             motion.rate = motion.rate.mul_add(cos, motion.direction.cross(motion.rate) * sin);
         }
     }

@@ -9,7 +9,7 @@ use crate::parts::{Count, Part, run_parts};
 use crate::plan::plan;
 use crate::stability::limit;
 use crate::timeline::{Runs, StepScene, Timeline};
-use crate::touchable::{n_reaching, touchable};
+use crate::touchable::{n_reaching, touchable, within_reach};
 use crate::{Keeper, SimError, SimOptions, SimReport, Simulation};
 use core::fmt::Debug;
 use rayon::prelude::*;
@@ -117,7 +117,7 @@ impl<'a> Ready<'a> {
         let timeline = Timeline::new(field, scene, options, groom.n_points())?;
         let strands = prepare(scene, groom, &timeline);
         let drag = DragLaw::in_air(scene.air_density);
-        let sampler = Sampler::new(field, |_| false);
+        let sampler = within_reach(Sampler::new(field, |_| false), strands.iter().map(|s| &s.lock));
         let registers = Registers::widest();
         Ok(Self { field, scene, groom, options, registers, timeline, sampler, drag, strands })
     }
@@ -269,7 +269,7 @@ impl<'a> Ready<'a> {
             slept_share: 0.0,
             unsettled_steps: 0,
             unsettled_m: 0.0,
-            plan: plan(self.field, self.scene, timeline, &n_reaching),
+            plan: plan(&layered.sampler, self.scene, timeline, &n_reaching),
             max_stretch: max_stretch(motion),
             assumed: assumptions(self.groom, timeline, self.strands.iter().map(Prepared::deepest_m)),
         }

@@ -10,7 +10,7 @@ use crate::lane::{F64x1, Lane, Registers, WithLanes};
 use crate::parts::{Part, run_parts};
 use crate::plan::plan;
 use crate::timeline::{Runs, Timeline};
-use crate::touchable::{n_reaching, touchable};
+use crate::touchable::{n_reaching, touchable, within_reach};
 use crate::{Integrator, Keeper, Precision, SimError, SimOptions, SimReport, Simulation};
 use core::fmt::Debug;
 use rayon::prelude::*;
@@ -121,6 +121,7 @@ impl<'a> Ready<'a> {
         let prepared = prepare(scene, &timeline, groom, locks, touch);
         let in_head = solids(scene);
         let sampler = Sampler::new(field, |p| in_head.iter().any(|s| s.gap(p).distance_m < 0.0));
+        let sampler = within_reach(sampler, prepared.iter().map(|p| &p.lock));
         timeline.cut(options.dt_secs.unwrap_or(SimOptions::DEFAULT_DT_SECS))?;
         let registers = Registers::widest();
         Ok(Self { field, scene, groom, options, registers, timeline, sampler, law, prepared })
@@ -322,7 +323,7 @@ impl<'a> Ready<'a> {
             slept_share: count.slept as f64 / count.steps.max(1) as f64,
             unsettled_steps: count.unsettled,
             unsettled_m: count.unsettled_m,
-            plan: plan(self.field, self.scene, timeline, &n_reaching),
+            plan: plan(&layered.sampler, self.scene, timeline, &n_reaching),
             max_stretch: max_stretch(motion),
             assumed,
         }
