@@ -169,8 +169,8 @@ fn measure(
         _ => RasterMethod::Physical,
     };
     let grid = GridSpec::cube(EXTENT_M, setting.edge_m).map_err(failed(name, "the grid"))?;
-    let options = RasterOptions { method, grid };
-    let lay = |fit: &Fit| {
+    let lay = |fit: &Fit, with_sd: bool| {
+        let options = RasterOptions { method, grid, with_sd };
         tousle_raster::rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &options, &NoProgress)
     };
     let (fit, refined) = match &setting.refine {
@@ -183,12 +183,12 @@ fn measure(
                 options: &fit_options,
                 scene: &scene,
             };
-            let lay = |fit: &Fit| Ok(lay(fit)?.sequence);
+            let lay = |fit: &Fit| Ok(lay(fit, false)?.sequence);
             let refined = tousle_refine::refine(fit, &measured, &lay, refine, &NoProgress)
                 .map_err(failed(name, "refining"))?;
             (refined.fit, Some(refined.report))
         }
     };
-    let raster = lay(&fit).map_err(failed(name, "filling the grid"))?;
+    let raster = lay(&fit, true).map_err(failed(name, "filling the grid"))?;
     Ok(Measured { field: raster.sequence, scene, wig: fit.wig, refined })
 }

@@ -8,6 +8,7 @@ use crate::report::{
 use crate::shape::ShapeModel;
 use crate::spikes::cut_spikes;
 use crate::swaps::{Swap, mend_swaps};
+use rayon::prelude::*;
 use std::ops::Range;
 use tousle_core::{FrameSpan, HeadCapture, Sample, SampleKind, Session, StrandTracks, Track, runs};
 
@@ -259,10 +260,12 @@ impl Work {
 
     /// Fills every gap from what was seen: no fill leans on another.
     fn fill_gaps(&mut self) {
-        let fills: Vec<(usize, Range<usize>, Vec<Fill>)> = (0..self.tracks.len())
+        let gaps: Vec<(usize, Range<usize>)> = (0..self.tracks.len())
             .flat_map(|m| gaps(&self.tracks[m]).into_iter().map(move |gap| (m, gap)))
-            .map(|(m, gap)| (m, gap.clone(), fill_gap(self.scene(), m, gap)))
             .collect();
+        let scene = self.scene();
+        let fills: Vec<(usize, Range<usize>, Vec<Fill>)> =
+            gaps.into_par_iter().map(|(m, gap)| (m, gap.clone(), fill_gap(scene, m, gap))).collect();
         let borrowed = fills.iter().flat_map(|(_, _, f)| f).map(|f| f.expected_error_m);
         let borrowed = borrowed.filter(|e| e.is_finite()).fold(self.usual_noise_m, f64::max);
         for (marker, gap, parts) in fills {

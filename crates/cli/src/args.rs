@@ -84,7 +84,8 @@ pub struct ConvertArgs {
     /// Time steps of the field a second.
     #[arg(long, default_value_t = 30.0, value_name = "HZ")]
     pub rate_hz: f64,
-    /// Mend the wind until the captured wig, simulated in it, moves as it was seen to move; takes some five times as long.
+    /// Mend the wind, by simulating the captured wig in it, until locks that are held out move no better; without it this is done
+    /// once, with all locks. Takes some three times as long.
     #[arg(long)]
     pub refine: bool,
     /// How equation E3 of the paper is read.

@@ -185,7 +185,7 @@ pub fn defects(
     air: &AirFlow,
 ) -> Result<Vec<Option<Defects>>, FitError> {
     let FitMethod::Physical(physical) = &options.method else { return Ok(vec![None; session.strands.len()]) };
-    let taught = Taught { scales: scales.to_vec(), defects: Vec::new() };
+    let taught = Taught { scales: scales.to_vec(), ..Taught::default() };
     physical::defects(simulated, session, &physical_set(session, options, physical, &taught)?, air)
 }
 

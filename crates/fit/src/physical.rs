@@ -11,6 +11,7 @@ mod smooth;
 mod smoother;
 mod solve;
 mod spline;
+mod statements;
 mod taught;
 mod tracks;
 mod wig;
@@ -128,8 +129,10 @@ impl Seen {
         let gravity_world = -set.up_axis.vector() * STANDARD_GRAVITY;
         let cutoff_hz = set.options.cutoff_hz;
         let seeing = Seeing { head, origins, session, clock: &clock, still, gravity_world, cutoff_hz };
-        let locks: Vec<SeenLock> =
-            (0..session.strands.len()).filter_map(|idx| SeenLock::new(idx, &seeing)).collect();
+        let locks: Vec<SeenLock> = (0..session.strands.len())
+            .into_par_iter()
+            .filter_map(|idx| SeenLock::new(idx, &seeing))
+            .collect();
         if locks.is_empty() {
             return Err(FitError::NoSamples { n_missing: 0 });
         }

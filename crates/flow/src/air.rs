@@ -1,4 +1,4 @@
-use crate::{Stream, StreamAt, StreamPart, SwirlModes, stream_parts};
+use crate::{Stream, StreamAt, StreamNow, SwirlModes};
 use nalgebra::{DMatrix, DVector};
 use tousle_core::Vec3;
 
@@ -9,6 +9,8 @@ pub struct AirFlow {
     pub stream: Stream,
     /// The shapes of everything else.
     pub modes: SwirlModes,
+    /// How strong swirls are over the stream's speed.
+    pub swirl_share: f64,
     /// One state a time step.
     pub states: Vec<AirState>,
 }
@@ -40,11 +42,6 @@ impl AirState {
     pub fn outside(&self) -> Vec3 {
         let n = self.n_modes();
         Vec3::new(self.values[n], self.values[n + 1], self.values[n + 2])
-    }
-
-    /// The parts of the wind far away.
-    pub fn parts(&self) -> Vec<StreamPart> {
-        stream_parts(self.outside(), &self.fans)
     }
 
     /// The wakes' strength.
@@ -87,7 +84,40 @@ pub struct WindAt {
 impl AirFlow {
     /// The wind at a point of head space at a step.
     pub fn at(&self, step: usize, point_m: Vec3) -> WindAt {
-        wind_at(&self.stream.at(point_m), &self.modes, &self.states[step], point_m)
+        self.wind_at(&self.stream.at(point_m), step, &self.now(step), point_m)
+    }
+
+    /// The stream at a step.
+    pub fn now(&self, step: usize) -> StreamNow {
+        let state = &self.states[step];
+        self.stream.now(state.outside(), &state.fans, state.wake(), state.layer_m())
+    }
+
+    /// The wind at a step and a point whose stream is known, as is that of the step.
+    pub fn wind_at(&self, stream: &StreamAt, step: usize, now: &StreamNow, point_m: Vec3) -> WindAt {
+        let (state, n_modes) = (&self.states[step], self.modes.n_modes());
+        let n = n_modes + N_STREAM;
+        let wind = stream.wind(now);
+        let mut shapes = vec![0.0; 3 * n_modes];
+        self.modes.at(point_m, &mut shapes);
+        let mut change = vec![0.0; 3 * n];
+        let mut velocity = wind.velocity;
+        let mut carried = 0.0;
+        let scale = state.swirl_mps * wind.layer;
+        for axis in 0..3 {
+            let row = &mut change[axis * n..(axis + 1) * n];
+            for (j, shape) in shapes[axis * n_modes..(axis + 1) * n_modes].iter().enumerate() {
+                row[j] = scale * shape;
+                velocity[axis] += row[j] * state.values[j];
+                carried += shape * shape;
+            }
+            for c in 0..3 {
+                row[n_modes + c] = wind.by_outside[(axis, c)];
+            }
+            row[n_modes + 3] = wind.by_wake[axis];
+            row[n_modes + 4] = wind.by_log_layer[axis];
+        }
+        WindAt { velocity, change, left_out_mps: scale * f64::max(1.0 - carried / 3.0, 0.0).sqrt() }
     }
 
     /// The covariance of the wind at a point and step, (m/s)².
@@ -103,11 +133,11 @@ impl AirFlow {
     /// All at once is several times as quick as [`AirFlow::covariance`] of one after the other.
     pub fn spreads_mps(&self, step: usize, points: &[(Vec3, StreamAt)]) -> Vec<f64> {
         let state = &self.states[step];
-        let n = state.values.len();
+        let (n, now) = (state.values.len(), self.now(step));
         let mut changes = Vec::with_capacity(3 * n * points.len());
         let mut left_out_mps = Vec::with_capacity(points.len());
         for (point_m, stream) in points {
-            let wind = wind_at(stream, &self.modes, state, *point_m);
+            let wind = self.wind_at(stream, step, &now, *point_m);
             changes.extend(wind.change);
             left_out_mps.push(wind.left_out_mps);
         }
@@ -121,33 +151,6 @@ impl AirFlow {
         };
         left_out_mps.iter().enumerate().map(of_point).collect()
     }
-}
-
-/// The wind of a state at a point whose stream is known.
-pub fn wind_at(stream: &StreamAt, modes: &SwirlModes, state: &AirState, point_m: Vec3) -> WindAt {
-    let n_modes = modes.n_modes();
-    let n = n_modes + N_STREAM;
-    let wind = stream.wind(state.outside(), &state.parts(), state.wake(), state.layer_m());
-    let mut shapes = vec![0.0; 3 * n_modes];
-    modes.at(point_m, &mut shapes);
-    let mut change = vec![0.0; 3 * n];
-    let mut velocity = wind.velocity;
-    let mut carried = 0.0;
-    let scale = state.swirl_mps * wind.layer;
-    for axis in 0..3 {
-        let row = &mut change[axis * n..(axis + 1) * n];
-        for (j, shape) in shapes[axis * n_modes..(axis + 1) * n_modes].iter().enumerate() {
-            row[j] = scale * shape;
-            velocity[axis] += row[j] * state.values[j];
-            carried += shape * shape;
-        }
-        for c in 0..3 {
-            row[n_modes + c] = wind.by_outside[(axis, c)];
-        }
-        row[n_modes + 3] = wind.by_wake[axis];
-        row[n_modes + 4] = wind.by_log_layer[axis];
-    }
-    WindAt { velocity, change, left_out_mps: scale * f64::max(1.0 - carried / 3.0, 0.0).sqrt() }
 }
 
 #[cfg(test)]
@@ -166,7 +169,8 @@ mod tests {
         values[n - 1] = -4.0;
         let covariance = DMatrix::from_fn(n, n, |r, c| if r == c { 0.5 } else { 0.01 });
         let state = AirState { values, covariance, swirl_mps: 0.4, fans: Vec::new() };
-        let air = AirFlow { stream: Stream::round(&Body::none()), modes, states: vec![state] };
+        let air =
+            AirFlow { stream: Stream::round(&Body::none()), modes, swirl_share: 0.2, states: vec![state] };
         let streams: Vec<_> = points.iter().map(|p| (*p, air.stream.at(*p))).collect();
         for (spread, point) in air.spreads_mps(0, &streams).iter().zip(&points) {
             let alone = (air.covariance(0, &air.at(0, *point)).trace() / 3.0).sqrt();

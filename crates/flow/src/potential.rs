@@ -6,7 +6,7 @@ use tousle_core::Vec3;
 /// Source: Lamb, "Hydrodynamics", 6th edition, §114: the potential of a stream Uᵢ along axis i is
 /// Uᵢ xᵢ (1 + Cᵢ αᵢ(λ)) with αᵢ(λ) = abc ∫ ds / ((aᵢ² + s) Δ(s)) from λ on, Cᵢ = 1/(2 − αᵢ(0)), and λ the ellipsoidal
 /// coordinate of the point. It is exact; what a real head's flow has beyond it is a thin layer at the scalp and
-/// a wake ([`crate::Shelter`]).
+/// a wake (`shelter`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PotentialFlow {
     center_m: Vec3,

@@ -1,4 +1,5 @@
-use crate::{PotentialFlow, Shelter};
+use crate::PotentialFlow;
+use crate::shelter::{Lee, distance_m, layer};
 use nalgebra::{DMatrix, Matrix3};
 use tousle_core::{Attachment, Body, Shape, Vec3};
 
@@ -12,10 +13,30 @@ pub struct Stream {
 /// A [`Stream`] at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StreamAt {
-    point_m: Vec3,
     /// Turns the wind far away into that of a frictionless flow.
     pub potential: Matrix3<f64>,
-    head: Option<(Vec3, Vec3)>,
+    near: Option<NearHead>,
+}
+
+/// Where a point is, seen from the head.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct NearHead {
+    from_center_m: Vec3,
+    /// From its surface; 0 inside.
+    distance_m: f64,
+}
+
+/// A [`Stream`] at one time, ready to be read at many points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StreamNow {
+    /// The wind far away, m/s.
+    outside: Vec3,
+    /// The wakes' strength.
+    wake: f64,
+    /// The thickness of the layer at the scalp, m.
+    layer_m: f64,
+    /// The parts of the wind far away, and the lee that each has behind the head.
+    parts: Vec<(StreamPart, Lee)>,
 }
 
 impl Stream {
@@ -38,11 +59,24 @@ impl Stream {
 
     /// The stream at a point.
     pub fn at(&self, point_m: Vec3) -> StreamAt {
+        let near = |(center, half_axes, _)| {
+            let from_center_m = point_m - center;
+            NearHead { from_center_m, distance_m: distance_m(half_axes, from_center_m) }
+        };
         StreamAt {
-            point_m,
             potential: self.head.map_or_else(Matrix3::identity, |(.., flow)| flow.at(point_m)),
-            head: self.head.map(|(center, half_axes, _)| (center, half_axes)),
+            near: self.head.map(near),
         }
+    }
+
+    /// The stream while the wind far away is `outside`, head axes, m/s, blown by `fans` ([`stream_parts`]), behind wakes of
+    /// strength `wake` and in a layer `layer_m` thick.
+    pub fn now(&self, outside: Vec3, fans: &[Vec3], wake: f64, layer_m: f64) -> StreamNow {
+        let parts = self.head.map_or_else(Vec::new, |(_, half_axes_m, _)| {
+            let with_lee = |part: StreamPart| (part, Lee::of(half_axes_m, part.direction));
+            stream_parts(outside, fans).into_iter().map(with_lee).collect()
+        });
+        StreamNow { outside, wake, layer_m, parts }
     }
 }
 
@@ -102,33 +136,42 @@ pub struct StreamWind {
 }
 
 impl StreamAt {
-    /// The wind at the point if that far away is `outside`, m/s, of the given parts, behind wakes of strength `wake` and in a
-    /// layer `layer_m` thick. That wakes turn with the wind is left out of the derivative.
-    pub fn wind(&self, outside: Vec3, parts: &[StreamPart], wake: f64, layer_m: f64) -> StreamWind {
-        let Some((center_m, half_axes_m)) = self.head else {
+    /// The wind at the point at a time: its velocity, m/s, and the share that the layer at the scalp leaves.
+    pub fn velocity(&self, now: &StreamNow) -> (Vec3, f64) {
+        let Some(near) = self.near else { return (self.potential * now.outside, 1.0) };
+        let layer = layer(near.distance_m, now.layer_m);
+        let taken: Vec3 = now
+            .parts
+            .iter()
+            .map(|(part, lee)| part.share * now.outside * lee.share(near.from_center_m))
+            .sum();
+        (self.potential * (now.outside - taken * now.wake) * layer, layer)
+    }
+
+    /// The same with its change. That wakes turn with the wind is left out of the derivative.
+    pub fn wind(&self, now: &StreamNow) -> StreamWind {
+        let Some(near) = self.near else {
             return StreamWind {
                 layer: 1.0,
-                velocity: self.potential * outside,
+                velocity: self.potential * now.outside,
                 by_outside: self.potential,
                 by_wake: Vec3::zeros(),
                 by_log_layer: Vec3::zeros(),
             };
         };
-        let shelter = Shelter { center_m, half_axes_m, layer_m, wake };
-        let layer = shelter.layer(self.point_m);
+        let layer = layer(near.distance_m, now.layer_m);
         // What all wakes of strength 1 take.
         let in_lee: Matrix3<f64> =
-            parts.iter().map(|part| part.share * shelter.wake_shape(self.point_m, part.direction)).sum();
-        let left = self.potential * (Matrix3::identity() - in_lee * wake);
+            now.parts.iter().map(|(part, lee)| part.share * lee.share(near.from_center_m)).sum();
+        let left = self.potential * (Matrix3::identity() - in_lee * now.wake);
         // 1 − e^(−x) changes with ln δ as −x e^(−x).
-        let fade = f64::max(1.0 - layer, 1e-300);
-        let by_log_layer = fade * libm::log(fade);
+        let by_log_layer = (1.0 - layer) * (-near.distance_m / now.layer_m);
         StreamWind {
             layer,
-            velocity: left * outside * layer,
+            velocity: left * now.outside * layer,
             by_outside: left * layer,
-            by_wake: self.potential * in_lee * outside * -layer,
-            by_log_layer: left * outside * by_log_layer,
+            by_wake: self.potential * in_lee * now.outside * -layer,
+            by_log_layer: left * now.outside * by_log_layer,
         }
     }
 }

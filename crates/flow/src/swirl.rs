@@ -1,4 +1,5 @@
-use nalgebra::{DMatrix, Matrix3};
+use nalgebra::{DMatrix, DVectorView, Matrix3};
+use rayon::prelude::*;
 use tousle_core::{Pose, Vec3};
 
 /// How velocities at two points of a swirling, divergence-free flow go together: a Gaussian process.
@@ -47,15 +48,23 @@ pub struct SwirlFlow<'a> {
     nodes: Vec<f64>,
 }
 
+/// Where a point lies among the nodes at which modes are known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SwirlPlace {
+    /// The lowest of the eight nodes around it.
+    low: usize,
+    /// How far it is from there to the highest, along each axis.
+    share: [f64; 3],
+}
+
 impl SwirlFlow<'_> {
-    /// Its velocity at a point.
-    pub fn at(&self, point_m: Vec3) -> Vec3 {
-        if self.nodes.is_empty() {
-            return Vec3::zeros();
-        }
+    /// Its velocity at a place; none where no mode reaches.
+    pub fn at(&self, place: Option<&SwirlPlace>) -> Vec3 {
+        let Some(place) = place.filter(|_| !self.nodes.is_empty()) else { return Vec3::zeros() };
         self.lattice
-            .around_point(point_m)
-            .map(|(node, weight)| Vec3::from_column_slice(&self.nodes[3 * node..3 * node + 3]) * weight)
+            .corners(place)
+            .iter()
+            .map(|(node, weight)| Vec3::from_column_slice(&self.nodes[3 * node..3 * node + 3]) * *weight)
             .sum()
     }
 }
@@ -82,17 +91,19 @@ impl SwirlModes {
         let lattice = Lattice::around(points_m, reach_m, edge_m);
         let mut modes = Self { kernel, pivots, factor, lattice, values: Vec::new() };
         let n_nodes: usize = modes.lattice.dims.iter().product();
-        let mut values = Vec::with_capacity(n_nodes * 3 * modes.n_modes());
-        for node in 0..n_nodes {
-            values.extend(modes.exact(modes.lattice.place(node)));
-        }
-        modes.values = values;
+        let of_node = |node| modes.exact(modes.lattice.place(node));
+        modes.values = (0..n_nodes).into_par_iter().map(of_node).collect::<Vec<_>>().concat();
         modes
     }
 
     /// How many there are.
     pub fn n_modes(&self) -> usize {
         self.pivots.len()
+    }
+
+    /// Where a point lies; `None` where no mode reaches.
+    pub fn place(&self, point_m: Vec3) -> Option<SwirlPlace> {
+        self.lattice.find(point_m)
     }
 
     /// Every mode's velocity at a point, x of all modes first, then y, then z, written to `out`.
@@ -102,7 +113,8 @@ impl SwirlModes {
     pub fn at(&self, point_m: Vec3, out: &mut [f64]) {
         let row = 3 * self.n_modes();
         out.fill(0.0);
-        for (node, weight) in self.lattice.around_point(point_m) {
+        let Some(place) = self.place(point_m) else { return };
+        for (node, weight) in self.lattice.corners(&place) {
             let values = &self.values[node * row..(node + 1) * row];
             for (sum, value) in out.iter_mut().zip(values) {
                 *sum += weight * value;
@@ -116,7 +128,8 @@ impl SwirlModes {
     /// If there are fewer coefficients than modes.
     pub fn flow(&self, coefficients: &[f64]) -> SwirlFlow<'_> {
         let n = self.n_modes();
-        let sum = |row: &[f64]| row.iter().zip(coefficients).map(|(shape, c)| shape * c).sum();
+        let coefficients = DVectorView::from_slice(&coefficients[..n], n);
+        let sum = |row: &[f64]| DVectorView::from_slice(row, n).dot(&coefficients);
         let nodes = if n == 0 { Vec::new() } else { self.values.chunks_exact(n).map(sum).collect() };
         SwirlFlow { lattice: &self.lattice, nodes }
     }
@@ -209,19 +222,38 @@ impl Lattice {
         self.origin_m + Vec3::from(index.map(|i| i as f64)) * self.edge_m
     }
 
-    /// The nodes around a point and their weights; none outside the box, where no mode reaches.
-    fn around_point(&self, point_m: Vec3) -> impl Iterator<Item = (usize, f64)> + use<> {
+    /// Where a point of the box lies; outside no mode reaches.
+    fn find(&self, point_m: Vec3) -> Option<SwirlPlace> {
         let place = (point_m - self.origin_m) / self.edge_m;
         let is_inside = (0..3).all(|a| place[a] >= 0.0 && place[a] <= (self.dims[a] - 1) as f64);
         let low = [0, 1, 2].map(|a| (place[a].max(0.0) as usize).min(self.dims[a].saturating_sub(2)));
-        let share = [0, 1, 2].map(|a| place[a] - low[a] as f64);
         let [_, ny, nz] = self.dims;
-        let n_corners = if is_inside { 8 } else { 0 };
-        (0..n_corners).map(move |corner: usize| {
-            let far = [corner & 1, corner >> 1 & 1, corner >> 2];
-            let weight: f64 = (0..3).map(|a| if far[a] == 1 { share[a] } else { 1.0 - share[a] }).product();
-            (((low[0] + far[0]) * ny + low[1] + far[1]) * nz + low[2] + far[2], weight)
+        is_inside.then(|| SwirlPlace {
+            low: (low[0] * ny + low[1]) * nz + low[2],
+            share: [0, 1, 2].map(|a| place[a] - low[a] as f64),
         })
+    }
+
+    /// The nodes around a place and their weights.
+    fn corners(&self, place: &SwirlPlace) -> [(usize, f64); 8] {
+        let [_, ny, nz] = self.dims;
+        let ([x, y, z], low) = (place.share, place.low);
+        let weights = |x: f64, y: f64| [x * y * (1.0 - z), x * y * z];
+        let [a, b] = weights(1.0 - x, 1.0 - y);
+        let [c, d] = weights(1.0 - x, y);
+        let [e, f] = weights(x, 1.0 - y);
+        let [g, h] = weights(x, y);
+        let far = low + ny * nz;
+        [
+            (low, a),
+            (low + 1, b),
+            (low + nz, c),
+            (low + nz + 1, d),
+            (far, e),
+            (far + 1, f),
+            (far + nz, g),
+            (far + nz + 1, h),
+        ]
     }
 }
 

@@ -25,7 +25,8 @@ pub struct ConvertOptions {
     pub prepare: PrepareOptions,
     /// How motion becomes wind, and at which rate.
     pub fit: FitOptions,
-    /// Whether and how the wind is mended until the simulated wig moves as the captured one.
+    /// Whether and how the wind is mended until the simulated wig moves as the captured one; only the method `physical` knows
+    /// what the wig is made of.
     pub refine: Option<RefineOptions>,
     /// Edge of the grid, m.
     pub extent_m: f64,
@@ -38,7 +39,7 @@ impl Default for ConvertOptions {
         Self {
             prepare: PrepareOptions::default(),
             fit: FitOptions::default(),
-            refine: None,
+            refine: Some(RefineOptions::quick()),
             extent_m: 0.6,
             edge_m: 0.02,
         }
@@ -150,11 +151,13 @@ pub fn convert(
         air_density: known.air_density,
         body: known.body.clone(),
     };
-    let raster_options = RasterOptions { method: raster_method(&options.fit), grid };
-    let lay = |fit: &Fit, progress: &dyn Progress| {
+    let lay = |fit: &Fit, with_sd: bool, progress: &dyn Progress| {
+        let raster_options = RasterOptions { method: raster_method(&options.fit), grid, with_sd };
         tousle_raster::rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &raster_options, progress)
     };
-    let (fit, refined) = match &options.refine {
+    // Whoever wants locks held out is told if the method knows no wig; the round by default is left out.
+    let refine = options.refine.as_ref().filter(|refine| fit.wig.is_some() || refine.held_out.is_some());
+    let (fit, refined) = match refine {
         None => (fit, None),
         Some(refine) => {
             let stage = watch.stage("refine");
@@ -165,14 +168,14 @@ pub fn convert(
                 options: &fit_options,
                 scene: &scene,
             };
-            let lay = |fit: &Fit| Ok(lay(fit, &NoProgress)?.sequence);
+            let lay = |fit: &Fit| Ok(lay(fit, false, &NoProgress)?.sequence);
             let refined = tousle_refine::refine(fit, &measured, &lay, refine, &*stage)?;
             (refined.fit, Some(refined.report))
         }
     };
 
     let stage = watch.stage("raster");
-    let raster = lay(&fit, &*stage)?;
+    let raster = lay(&fit, true, &*stage)?;
     drop(stage);
 
     let mut report = ConversionReport {

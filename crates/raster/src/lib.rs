@@ -31,6 +31,9 @@ pub struct RasterOptions {
     pub method: RasterMethod,
     /// Where the voxels are.
     pub grid: GridSpec,
+    /// Whether standard deviations are wanted, which take as long as all the rest; without them nothing is `Interpolated`. Only
+    /// the method `physical` knows any.
+    pub with_sd: bool,
 }
 
 /// The field, and what happened on the way.
@@ -117,7 +120,7 @@ pub fn rasterize(
     let done = AtomicU64::new(0);
     let laid = match (options.method, air) {
         (RasterMethod::Paper, _) => None,
-        (RasterMethod::Physical, Some(air)) => Some(physical::Voxels::new(&grid, air)),
+        (RasterMethod::Physical, Some(air)) => Some(physical::Voxels::new(&grid, air, options.with_sd)),
         (RasterMethod::Physical, None) => return Err(RasterError::NoAir),
     };
     let fill = |(step, (samples, outside)): (usize, (&Vec<_>, &Vec3))| {

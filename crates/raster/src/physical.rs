@@ -1,17 +1,30 @@
+use rayon::prelude::*;
 use tousle_core::{Vec3, WindSample};
-use tousle_field::{Field, GridSpec, VoxelFlag};
-use tousle_flow::{AirFlow, StreamAt};
+use tousle_field::{Field, GridSpec, Stencil, VoxelFlag};
+use tousle_flow::{AirFlow, StreamAt, SwirlPlace};
 
 /// The voxels of a grid, ready to be given the air of any step.
 pub(crate) struct Voxels<'a> {
     grid: &'a GridSpec,
     air: &'a AirFlow,
-    /// What the stream does at each voxel's center; `None` inside the head, where no air is.
-    streams: Vec<Option<StreamAt>>,
-    /// A coarser lattice on which the uncertainty is known.
-    coarse: GridSpec,
+    /// What each voxel's center is to the air; `None` inside the head, where no air is.
+    voxels: Vec<Option<Voxel>>,
+    /// Where the uncertainty is known; `None` if nobody wants it.
+    coarse: Option<Coarse>,
+}
+
+/// What a voxel's center is to the air.
+struct Voxel {
+    stream: StreamAt,
+    swirl: Option<SwirlPlace>,
+}
+
+/// A coarser lattice.
+struct Coarse {
     /// Its points, and what the stream does there.
-    coarse_points: Vec<(Vec3, StreamAt)>,
+    points: Vec<(Vec3, StreamAt)>,
+    /// By voxel of the grid, the points around it.
+    stencils: Vec<Stencil>,
 }
 
 /// Distance of the points at which the uncertainty is computed, m: it changes as slowly as swirls do.
@@ -22,21 +35,14 @@ const COARSE_M: f64 = 0.06;
 const KNOWN_SHARE: f64 = 0.75;
 
 impl<'a> Voxels<'a> {
-    pub(crate) fn new(grid: &'a GridSpec, air: &'a AirFlow) -> Self {
-        let streams = (0..grid.n_voxels())
-            .map(|flat| {
-                let center_m = grid.cell_center_m(grid.unflat(flat));
-                (!air.stream.is_solid(center_m)).then(|| air.stream.at(center_m))
-            })
-            .collect();
-        let dims = grid.dims.map(|n| ((n as f64 * grid.edge_m / COARSE_M).ceil() as usize).max(1));
-        let coarse = GridSpec { origin_m: grid.origin_m, edge_m: COARSE_M, dims };
-        let point = |flat| {
-            let point_m = coarse.cell_center_m(coarse.unflat(flat));
-            (point_m, air.stream.at(point_m))
+    pub(crate) fn new(grid: &'a GridSpec, air: &'a AirFlow, with_sd: bool) -> Self {
+        let voxel = |flat| {
+            let center_m = grid.cell_center_m(grid.unflat(flat));
+            let of_air = || Voxel { stream: air.stream.at(center_m), swirl: air.modes.place(center_m) };
+            (!air.stream.is_solid(center_m)).then(of_air)
         };
-        let coarse_points = (0..coarse.n_voxels()).map(point).collect();
-        Self { grid, air, streams, coarse, coarse_points }
+        let voxels = (0..grid.n_voxels()).into_par_iter().map(voxel).collect();
+        Self { grid, air, voxels, coarse: with_sd.then(|| Coarse::of(grid, air)) }
     }
 
     /// The air at a step: the most likely velocity at each center, how sure it is, and where it comes from.
@@ -46,43 +52,53 @@ impl<'a> Voxels<'a> {
         let n_modes = state.n_modes();
         let coefficients: Vec<f64> = state.values.iter().take(n_modes).map(|c| c * state.swirl_mps).collect();
         let swirls = self.air.modes.flow(&coefficients);
-        let spreads = self.spreads(step);
-        let parts = state.parts();
-        let mut sd = vec![0.0f32; self.grid.n_voxels()];
-        for (flat, stream) in self.streams.iter().enumerate() {
-            let Some(stream) = stream else { continue };
-            let center_m = self.grid.cell_center_m(self.grid.unflat(flat));
-            let wind = stream.wind(state.outside(), &parts, state.wake(), state.layer_m());
-            field.set_vector(flat, wind.velocity + swirls.at(center_m) * wind.layer);
-            let (spread, known) = self.read(&spreads, center_m);
-            sd[flat] = spread as f32;
-            if known < KNOWN_SHARE {
-                field.flags[flat] = VoxelFlag::Interpolated;
-            }
+        let now = self.air.now(step);
+        for (flat, voxel) in self.voxels.iter().enumerate() {
+            let Some(voxel) = voxel else { continue };
+            let (velocity, layer) = voxel.stream.velocity(&now);
+            field.set_vector(flat, velocity + swirls.at(voxel.swirl.as_ref()) * layer);
+        }
+        if let Some(coarse) = &self.coarse {
+            self.add_sd(&mut field, coarse, step);
         }
         for sample in samples {
             if let Some(voxel) = self.grid.voxel_at(sample.position_m) {
                 field.flags[self.grid.flat(voxel)] = VoxelFlag::Measured;
             }
         }
-        field.sd = Some(sd);
         field
     }
 
-    /// Standard deviation a component, and that of the swirls over what it was before, at the coarse points.
-    fn spreads(&self, step: usize) -> Vec<(f64, f64)> {
+    /// Adds how sure the air is, and flags where locks tell of it.
+    fn add_sd(&self, field: &mut Field, coarse: &Coarse, step: usize) {
+        let spreads_mps = self.air.spreads_mps(step, &coarse.points);
         let swirl_mps = self.air.states[step].swirl_mps;
-        let spreads_mps = self.air.spreads_mps(step, &self.coarse_points);
-        spreads_mps.into_iter().map(|spread| (spread, spread / swirl_mps)).collect()
-    }
-
-    fn read(&self, spreads: &[(f64, f64)], point_m: Vec3) -> (f64, f64) {
-        let stencil = tousle_field::Stencil::at(&self.coarse, point_m);
-        let mut sum = (0.0, 0.0);
-        for (flat, weight) in stencil.flats.iter().zip(&stencil.weights) {
-            sum.0 += spreads[*flat].0 * weight;
-            sum.1 += spreads[*flat].1 * weight;
+        let mut sd = vec![0.0f32; self.grid.n_voxels()];
+        for (flat, _) in self.voxels.iter().enumerate().filter(|(_, voxel)| voxel.is_some()) {
+            let stencil = &coarse.stencils[flat];
+            let parts = stencil.flats.iter().zip(&stencil.weights);
+            let spread_mps: f64 = parts.map(|(point, weight)| spreads_mps[*point] * weight).sum();
+            sd[flat] = spread_mps as f32;
+            if spread_mps < KNOWN_SHARE * swirl_mps {
+                field.flags[flat] = VoxelFlag::Interpolated;
+            }
         }
-        sum
+        field.sd = Some(sd);
+    }
+}
+
+impl Coarse {
+    fn of(grid: &GridSpec, air: &AirFlow) -> Self {
+        let dims = grid.dims.map(|n| ((n as f64 * grid.edge_m / COARSE_M).ceil() as usize).max(1));
+        let coarse = GridSpec { origin_m: grid.origin_m, edge_m: COARSE_M, dims };
+        let point = |flat| {
+            let point_m = coarse.cell_center_m(coarse.unflat(flat));
+            (point_m, air.stream.at(point_m))
+        };
+        let stencil = |flat| Stencil::at(&coarse, grid.cell_center_m(grid.unflat(flat)));
+        Self {
+            points: (0..coarse.n_voxels()).map(point).collect(),
+            stencils: (0..grid.n_voxels()).map(stencil).collect(),
+        }
     }
 }

@@ -53,9 +53,9 @@ impl Compared {
         let mean = |is_held_out: bool| {
             let locks = (0..self.off_m.len()).filter(|idx| held_out.contains(idx) == is_held_out);
             let logs: Vec<f64> = locks.filter_map(|idx| self.rms_m(idx)).map(libm::log).collect();
-            libm::exp(logs.iter().sum::<f64>() / logs.len().max(1) as f64)
+            (!logs.is_empty()).then(|| libm::exp(logs.iter().sum::<f64>() / logs.len() as f64))
         };
-        Round { seen_m: mean(false), held_out_m: mean(true) }
+        Round { seen_m: mean(false).unwrap_or(f64::INFINITY), held_out_m: mean(true) }
     }
 
     /// Root mean square over a lock's markers and frames; `None` if nothing of it was seen.

@@ -15,7 +15,6 @@ mod wig;
 
 pub use report::{RefineReport, Round};
 
-use compare::Compared;
 use rounds::{Loop, Turn};
 use std::error::Error;
 use tousle_core::{HeadCapture, Progress, Sample, Session};
@@ -28,13 +27,21 @@ use tousle_sim::SimError;
 pub struct RefineOptions {
     /// The most rounds.
     pub rounds: usize,
-    /// Every so many locks one is held out.
-    pub held_out: usize,
+    /// Every so many locks one is held out to say how many rounds serve. `None`: all locks are gone round with at once, for as
+    /// long as they themselves come nearer to where they were seen, which costs a third.
+    pub held_out: Option<usize>,
 }
 
 impl Default for RefineOptions {
     fn default() -> Self {
-        Self { rounds: 2, held_out: 5 }
+        Self { rounds: 2, held_out: Some(5) }
+    }
+}
+
+impl RefineOptions {
+    /// One round with all locks: quick enough for every conversion.
+    pub fn quick() -> Self {
+        Self { rounds: 1, held_out: None }
     }
 }
 
@@ -95,12 +102,12 @@ pub enum RefineError {
 
 /// Mends a measured wind until the wig, simulated in it, moves no more like the seen one.
 ///
-/// In: what was measured, from what, and how it is laid on a grid. First some locks are held out: the others alone are gone
-/// round with, and after each round the ones held out are simulated and compared with how they were seen. Then as many rounds
+/// In: what was measured, from what, and how it is laid on a grid. If some locks are to be held out, the others alone are gone
+/// round with first, and after each round the ones held out are simulated and compared with how they were seen. Then as many rounds
 /// as served those best are gone with all locks; none, if none did. The result does not depend on the number of threads.
 ///
 /// # Errors
-/// [`RefineError`] if the wind is not of the method `physical`, there are too few locks, or a stage fails.
+/// [`RefineError`] if the wind is not of the method `physical`, there are too few locks to hold some out, or a stage fails.
 pub fn refine(
     first: Fit,
     measured: &Measured<'_>,
@@ -109,18 +116,55 @@ pub fn refine(
     progress: &dyn Progress,
 ) -> Result<Refined, RefineError> {
     let wig = first.wig.clone().ok_or(RefineError::NoWig)?;
-    let n_locks = wig.strand_idxs.len();
-    if n_locks < 2 * options.held_out {
-        return Err(RefineError::TooFewLocks { found: n_locks, expected: 2 * options.held_out });
-    }
-    let held_out = wig::every(&wig, options.held_out);
-    let total = (2 * options.rounds + 1) as u64;
     let around = Loop { measured, wig: &wig, lay };
-    let mut rounds: Vec<Round> = Vec::new();
-    let mut turn = Turn::first(&around, &held_out)?;
+    match options.held_out {
+        None => with_all(first, &around, options.rounds, progress),
+        Some(every) => with_some_held_out(first, &around, options.rounds, every, progress),
+    }
+}
+
+/// Goes round with all locks while they come nearer.
+fn with_all(
+    first: Fit,
+    around: &Loop<'_>,
+    most_rounds: usize,
+    progress: &dyn Progress,
+) -> Result<Refined, RefineError> {
+    let mut turn = Turn::known(first);
     let mut compared = around.compare(&turn)?;
-    rounds.push(compared.round(&held_out));
-    for round in 0..options.rounds {
+    let mut rounds = vec![compared.round(&[])];
+    let mut kept = 0;
+    while kept < most_rounds && kept + 1 == rounds.len() {
+        progress.at(kept as u64, most_rounds as u64);
+        let next = around.again(&turn, &compared, &[])?;
+        let of_next = around.compare(&next)?;
+        rounds.push(of_next.round(&[]));
+        if report::best(&rounds) > kept {
+            (turn, compared, kept) = (next, of_next, kept + 1);
+        }
+    }
+    progress.at(most_rounds as u64, most_rounds as u64);
+    Ok(Refined { fit: turn.fit, report: RefineReport { held_out: Vec::new(), rounds, kept } })
+}
+
+/// Goes as many rounds with all locks as serve those best that are held out.
+fn with_some_held_out(
+    first: Fit,
+    around: &Loop<'_>,
+    most_rounds: usize,
+    every: usize,
+    progress: &dyn Progress,
+) -> Result<Refined, RefineError> {
+    let n_locks = around.wig.strand_idxs.len();
+    if n_locks < 2 * every {
+        return Err(RefineError::TooFewLocks { found: n_locks, expected: 2 * every });
+    }
+    let held_out = wig::every(around.wig, every);
+    let total = (2 * most_rounds + 1) as u64;
+    let mut turn = Turn::first(around, &held_out)?;
+    let mut compared = around.compare(&turn)?;
+    let mut rounds = vec![compared.round(&held_out)];
+    for round in 0..most_rounds {
         progress.at(round as u64 + 1, total);
         turn = around.again(&turn, &compared, &held_out)?;
         compared = around.compare(&turn)?;
@@ -129,12 +173,12 @@ pub fn refine(
     let kept = report::best(&rounds);
     let mut turn = Turn::known(first);
     for round in 0..kept {
-        progress.at((options.rounds + round) as u64 + 1, total);
-        let compared: Compared = around.compare(&turn)?;
+        progress.at((most_rounds + round) as u64 + 1, total);
+        let compared = around.compare(&turn)?;
         turn = around.again(&turn, &compared, &[])?;
     }
     progress.at(total, total);
-    let name = |idx: &usize| measured.session.strands[*idx].name.clone();
+    let name = |idx: &usize| around.measured.session.strands[*idx].name.clone();
     let report = RefineReport { held_out: held_out.iter().map(name).collect(), rounds, kept };
     Ok(Refined { fit: turn.fit, report })
 }

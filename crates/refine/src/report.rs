@@ -5,9 +5,9 @@ use serde::Serialize;
 pub struct RefineReport {
     /// The locks that were held out to say when to stop.
     pub held_out: Vec<String>,
-    /// Before the first round, and after each, with some locks held out.
+    /// Before the first round, and after each; with some locks held out, if any were.
     pub rounds: Vec<Round>,
-    /// Rounds that were gone with all locks: 0 means that the wind is as it was measured.
+    /// Rounds that were gone with all locks and kept: 0 means that the wind is as it was measured.
     pub kept: usize,
 }
 
@@ -17,18 +17,25 @@ pub struct RefineReport {
 pub struct Round {
     /// Of the locks that the wind was measured from.
     pub seen_m: f64,
-    /// Of those that were held out.
-    pub held_out_m: f64,
+    /// Of those that were held out; `None` if none were.
+    pub held_out_m: Option<f64>,
+}
+
+impl Round {
+    /// How far those locks are off that say whether a round served, m.
+    pub fn judged_m(&self) -> f64 {
+        self.held_out_m.unwrap_or(self.seen_m)
+    }
 }
 
 /// What a round must make better to be worth going, as a share: less may be chance, as locks that are held out are few.
 const WORTH: f64 = 0.01;
 
-/// After how many rounds those held out are nearest; 0 unless it is worth it.
+/// After how many rounds those that judge are nearest; 0 unless it is worth it.
 pub(crate) fn best(rounds: &[Round]) -> usize {
     let mut best = 0;
     for (k, round) in rounds.iter().enumerate() {
-        if round.held_out_m < rounds[best].held_out_m * (1.0 - WORTH) {
+        if round.judged_m() < rounds[best].judged_m() * (1.0 - WORTH) {
             best = k;
         }
     }
@@ -42,10 +49,12 @@ mod tests {
     #[test]
     fn it_stops_where_those_held_out_are_nearest() {
         let rounds = |held_out: &[f64]| -> Vec<Round> {
-            held_out.iter().map(|m| Round { seen_m: 0.0, held_out_m: *m }).collect()
+            held_out.iter().map(|m| Round { seen_m: 0.0, held_out_m: Some(*m) }).collect()
         };
         assert_eq!(best(&rounds(&[10.0, 8.0, 9.0])), 1);
         assert_eq!(best(&rounds(&[10.0, 9.95, 11.0])), 0);
         assert_eq!(best(&rounds(&[10.0, 9.0, 8.0])), 2);
+        let seen = [10.0, 9.0].map(|seen_m| Round { seen_m, held_out_m: None });
+        assert_eq!(best(&seen), 1);
     }
 }

@@ -63,9 +63,9 @@ impl Loop<'_> {
                         defects.fade(near);
                     }
                 }
-                Taught { scales, defects }
+                Taught { scales, defects, air: Some(air.clone()) }
             }
-            None => Taught { scales, defects: Vec::new() },
+            None => Taught { scales, ..Taught::default() },
         };
         Ok(Turn { fit: self.fit(&taught, held_out)?, taught })
     }

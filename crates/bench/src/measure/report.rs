@@ -23,7 +23,7 @@ impl MeasureReport {
             "captured wig",
             "its median lock",
             "its fluctuation",
-            "held out before, mm",
+            "wig before, mm",
             "after, mm",
             "rounds kept",
             "vector error, hair",
@@ -55,8 +55,8 @@ impl MeasureReport {
                     3,
                 ),
                 Cell::maybe(row.wig.as_ref().map(|wig| wig.points.explained_fluctuation), 3),
-                Cell::maybe(refined.map(|r| r.rounds[0].held_out_m * 1e3), 2),
-                Cell::maybe(refined.map(|r| r.rounds[r.kept].held_out_m * 1e3), 2),
+                Cell::maybe(refined.map(|r| r.rounds[0].judged_m() * 1e3), 2),
+                Cell::maybe(refined.map(|r| r.rounds[r.kept].judged_m() * 1e3), 2),
                 Cell::maybe(refined.map(|r| r.kept as f64), 0),
                 Cell::maybe(row.field.hair.map(|s| s.vector_error), 3),
                 Cell::maybe(row.field.hair.map(|s| s.angle_median_deg), 1),
@@ -101,7 +101,7 @@ impl MeasureReport {
         table
     }
 
-    /// Stated against found uncertainty where hair was: one curve a capture, without the closed loop, and the bell that would be right.
+    /// Stated against found uncertainty where hair was: one curve a capture, by the default, and the bell that would be right.
     pub fn calibration_plot(&self) -> Plot {
         let series = |name: &str, shares: &[f64]| Series {
             points: Calibration::TIMES.iter().zip(shares).map(|(z, share)| [*z, *share]).collect(),
@@ -110,7 +110,7 @@ impl MeasureReport {
         };
         let of_row = |row: &MeasureRow| {
             let calibration = row.calibration.as_ref().filter(|_| row.varied == "method")?;
-            row.refined.is_none().then(|| series(&row.capture, &calibration.within[0]))
+            (row.setting == "physical").then(|| series(&row.capture, &calibration.within[0]))
         };
         let bell = series("a bell", &Calibration::of_a_bell());
         let axis = |label: &str| Axis { label: label.to_owned(), ..Axis::default() };

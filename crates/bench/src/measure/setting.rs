@@ -11,7 +11,7 @@ pub struct Setting {
     pub words: String,
     /// The method.
     pub fit: FitMethod,
-    /// Whether and how the closed loop is gone.
+    /// Whether and how the closed loop is gone round.
     pub refine: Option<RefineOptions>,
     /// Edge of a voxel, m.
     pub edge_m: f64,
@@ -22,10 +22,14 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Both methods as they are by default, `physical` with the closed loop, and on what perfect cameras would have seen.
+    /// Both methods as they are by default, `physical` with locks held out, and on what perfect cameras would have seen.
     pub fn methods() -> Vec<Self> {
-        let paper =
-            Self { words: "paper".into(), fit: FitMethod::Paper(PaperOptions::default()), ..Self::usual() };
+        let paper = Self {
+            words: "paper".into(),
+            fit: FitMethod::Paper(PaperOptions::default()),
+            refine: None,
+            ..Self::usual()
+        };
         let refined = Self {
             words: "physical --refine".into(),
             refine: Some(RefineOptions::default()),
@@ -41,6 +45,7 @@ impl Setting {
         let rate = |hz: f64| Self { rate_hz: hz, ..Self::of("rate", format!("{hz:.0} Hz"), Worse::Not) };
         let mut settings: Vec<Self> = [10.0, 30.0, 60.0].map(edge).into();
         settings.extend([15.0, 60.0].map(rate));
+        settings.push(Self { refine: None, ..Self::of("refine", "not at all".into(), Worse::Not) });
         settings.extend([1, 4].map(|rounds| Self {
             refine: Some(RefineOptions { rounds, ..RefineOptions::default() }),
             ..Self::of("refine", format!("at most {rounds} rounds"), Worse::Not)
@@ -82,6 +87,7 @@ impl Setting {
 
     fn of(varied: &'static str, words: String, worse: Worse) -> Self {
         let fit = FitMethod::Physical(PhysicalOptions::default());
-        Self { varied, words, fit, refine: None, edge_m: 0.02, rate_hz: 30.0, worse }
+        let refine = Some(RefineOptions::quick());
+        Self { varied, words, fit, refine, edge_m: 0.02, rate_hz: 30.0, worse }
     }
 }

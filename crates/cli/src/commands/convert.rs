@@ -59,7 +59,7 @@ fn options(args: &ConvertArgs) -> ConvertOptions {
     ConvertOptions {
         prepare,
         fit: FitOptions { method, rate_hz: args.rate_hz, ..FitOptions::default() },
-        refine: args.refine.then(RefineOptions::default),
+        refine: Some(if args.refine { RefineOptions::default() } else { RefineOptions::quick() }),
         extent_m: args.extent_mm * 1e-3,
         edge_m: args.voxel_mm * 1e-3,
     }
@@ -109,7 +109,7 @@ pub fn summary(report: &ConversionReport) -> String {
                 stiffness.1,
                 drag.0,
                 drag.1,
-                if learnt { "learnt from the simulated wig" } else { "what is likely; --refine learns it" },
+                if learnt { "learnt from the simulated wig" } else { "what is likely" },
             ),
         );
         for warning in &found.warnings {
@@ -119,16 +119,19 @@ pub fn summary(report: &ConversionReport) -> String {
     if let Some(refined) = &report.refine {
         let words = |k: usize| {
             let round = &refined.rounds[k];
-            format!("{:.1} and {:.1} mm", round.seen_m * 1e3, round.held_out_m * 1e3)
+            match round.held_out_m {
+                Some(held_out_m) => {
+                    format!("{:.1} mm, held-out locks by {:.1} mm", round.seen_m * 1e3, held_out_m * 1e3)
+                }
+                None => format!("{:.1} mm", round.seen_m * 1e3),
+            }
         };
         let outcome = match refined.kept {
             0 => "nothing made those better: the wind is as it was measured".to_owned(),
-            kept => format!("after {kept} rounds {}", words(kept)),
+            1 => format!("after a round by {}", words(1)),
+            kept => format!("after {kept} rounds by {}", words(kept)),
         };
-        line(
-            "refined",
-            format!("the simulated wig was off by {} (locks used, locks held out); {outcome}", words(0)),
-        );
+        line("refined", format!("the simulated wig was off by {}; {outcome}", words(0)));
     }
     let raster = &report.raster;
     let all = (raster.n_measured + raster.n_interpolated + raster.n_outside).max(1) as f64;

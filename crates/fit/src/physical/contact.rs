@@ -18,13 +18,12 @@ pub(crate) fn touching(seen: &SeenLock, at: &LockAt, surfaces: &[Surface], withi
             }
         }
     }
-    let across_sticks = across(&at.directions);
     let mut columns = DMatrix::zeros(2 * n, 3 * touches.len());
     for (touch, (k, normal)) in touches.iter().enumerate() {
-        let [first, second] = across(&[*normal])[0];
+        let [first, second] = across(*normal);
         for j in 0..=*k {
             let arm = at.points_m[k + 1] - at.points_m[j];
-            for (row, axis) in across_sticks[j].iter().enumerate() {
+            for (row, axis) in at.across[j].iter().enumerate() {
                 let lever = axis.cross(&arm);
                 for (c, force) in [*normal, first, second].iter().enumerate() {
                     columns[(2 * j + row, 3 * touch + c)] = lever.dot(force);

@@ -6,7 +6,7 @@ use super::moments::{Balance, DragSlope, Imbalance};
 use super::noise;
 use nalgebra::{DMatrix, DVector};
 use tousle_core::{STANDARD_GRAVITY, Vec3};
-use tousle_flow::{AirState, Stream, StreamAt, SwirlModes, wind_at};
+use tousle_flow::{AirFlow, Stream, StreamAt, StreamNow};
 use tousle_rod::Surface;
 
 /// Freedom of the t distribution that a lock's moments at a step are taken from: small keeps outliers from mattering.
@@ -61,8 +61,10 @@ fn lifted(mut point_m: Vec3, surfaces: &[Surface], radius_m: f64) -> Vec3 {
 pub(crate) struct Evidence {
     /// What is left of the moments in the present state.
     pub(crate) moments: DVector<f64>,
-    /// Its change with the state of the air.
-    pub(crate) by_state: DMatrix<f64>,
+    /// Its change with the wind at the lock's wind places.
+    pub(crate) by_wind: DMatrix<f64>,
+    /// The change of that wind with the state of the air.
+    pub(crate) winds_by_state: DMatrix<f64>,
     /// How much it counts: 1, or less for an outlier.
     pub(crate) weight: f64,
     /// Points at which the body pushes.
@@ -70,17 +72,17 @@ pub(crate) struct Evidence {
 }
 
 impl Station {
-    /// What the lock says if the air is about as in `state`; `None` if it can say nothing (a number is not finite).
+    /// What the lock says if the air is about as in `air`, whose stream at the lock's step is `now`; `None` if it can say nothing (a number is not finite).
     /// `friction` is the body's.
     pub(crate) fn evidence(
         &self,
         balance: &Balance<'_>,
-        modes: &SwirlModes,
-        state: &AirState,
+        air: &AirFlow,
+        now: &StreamNow,
         slope: DragSlope,
         friction: f64,
     ) -> Option<Evidence> {
-        let (out, by_state) = self.imbalance(balance, modes, state, slope);
+        let (out, winds_by_state) = self.imbalance(balance, air, now, slope);
         let lower = self.lower.as_ref()?;
         let weight_n = weight_n(balance.seen);
         let white = contact::Whitened {
@@ -91,38 +93,39 @@ impl Station {
         let white = contact::less_body(white, &self.touching, weight_n, friction);
         let square = white.moments.norm_squared();
         let weight = ((ROBUST + white.moments.len() as f64) / (ROBUST + square)).min(1.0);
-        square.is_finite().then(|| Evidence {
-            by_state: &white.by_wind * by_state,
+        square.is_finite().then_some(Evidence {
             moments: white.moments,
+            by_wind: white.by_wind,
+            winds_by_state,
             weight,
             n_pushing: white.n_pushing,
         })
     }
 
-    /// What the balance leaves over in the air of a state, whatever the body does: its moments, N·m, two a joint across its
+    /// What the balance leaves over in the air, whatever the body does: its moments, N·m, two a joint across its
     /// stick.
     pub(crate) fn left_over(
         &self,
         balance: &Balance<'_>,
-        modes: &SwirlModes,
-        state: &AirState,
+        air: &AirFlow,
+        now: &StreamNow,
     ) -> Option<DVector<f64>> {
-        let (out, _) = self.imbalance(balance, modes, state, DragSlope::Tangent);
+        let (out, _) = self.imbalance(balance, air, now, DragSlope::Tangent);
         let lower = self.lower.as_ref()?;
         let white = lower.solve_lower_triangular(&out.moments)?;
         Some(lower * contact::less_pushes(&white, &self.touching, weight_n(balance.seen)))
     }
 
-    /// The imbalance in the air of a state, and the change of the wind at its places with that.
+    /// The imbalance in the air, and the change of the wind at its places with that.
     fn imbalance(
         &self,
         balance: &Balance<'_>,
-        modes: &SwirlModes,
-        state: &AirState,
+        air: &AirFlow,
+        now: &StreamNow,
         slope: DragSlope,
     ) -> (Imbalance, DMatrix<f64>) {
         let seen = balance.seen;
-        let (winds, by_state) = self.winds(modes, state);
+        let (winds, by_state) = self.winds(air, now, balance.step);
         let at_middles: Vec<Vec3> = (0..seen.lock.n_sticks())
             .map(|stick| {
                 let shares = seen.wind_share(seen.lock.arcs_m[stick] - 0.5 * seen.lock.lengths_m[stick]);
@@ -133,12 +136,12 @@ impl Station {
     }
 
     /// The wind at the places, and its change with the state: three rows a place.
-    fn winds(&self, modes: &SwirlModes, state: &AirState) -> (Vec<Vec3>, DMatrix<f64>) {
-        let n = state.values.len();
+    fn winds(&self, air: &AirFlow, now: &StreamNow, step: usize) -> (Vec<Vec3>, DMatrix<f64>) {
+        let n = air.states[step].values.len();
         let mut winds = Vec::with_capacity(self.points_m.len());
         let mut by_state = DMatrix::zeros(3 * self.points_m.len(), n);
         for (p, (point_m, stream)) in self.points_m.iter().zip(&self.streams).enumerate() {
-            let wind = wind_at(stream, modes, state, *point_m);
+            let wind = air.wind_at(stream, step, now, *point_m);
             for (axis, change) in wind.change.chunks_exact(n).enumerate() {
                 by_state.row_mut(3 * p + axis).iter_mut().zip(change).for_each(|(slot, c)| *slot = *c);
             }

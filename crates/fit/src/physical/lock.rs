@@ -1,5 +1,6 @@
 //! One lock: what it is, and where it is at every time step.
 
+use super::moments;
 use super::smooth::Motion;
 use super::spline::spline_weights;
 use super::tracks::{Clock, MarkerMotion, fixed_motion, marker_motion};
@@ -27,6 +28,8 @@ pub(crate) struct LockAt {
     pub(crate) points_m: Vec<Vec3>,
     /// Direction of each stick.
     pub(crate) directions: Vec<Vec3>,
+    /// Two unit vectors across each stick, which turn with it.
+    pub(crate) across: Vec<[Vec3; 2]>,
     /// Velocity over the ground of each stick's middle, head axes, m/s.
     pub(crate) velocities: Vec<Vec3>,
     /// Gravity less acceleration over the ground at the far end of every stick, head axes, m/s².
@@ -189,7 +192,7 @@ impl LockAt {
             motions.iter().map(|m| world.inverse_transform_point(&m.position.into()).coords).collect();
         let directions: Vec<Vec3> =
             points_m.windows(2).map(|p| (p[1] - p[0]).try_normalize(1e-9).unwrap_or_else(Vec3::z)).collect();
-        let (bends, turned) = bends(lock, &directions);
+        let Turns { bends, turned, across } = Turns::since_rest(lock, &directions);
         let stretches_m = stretches_m(lock, &points_m);
         Self {
             velocities: motions.windows(2).map(|m| to_head * (m[0].velocity + m[1].velocity) * 0.5).collect(),
@@ -197,6 +200,7 @@ impl LockAt {
             errors_m: (0..n).map(|row| libm::hypot(curve.error_m(row, step), stretches_m[row])).collect(),
             points_m,
             directions,
+            across,
             bends,
             turned,
         }
@@ -214,18 +218,28 @@ fn stretches_m(lock: &Lock, points_m: &[Vec3]) -> Vec<f64> {
     arcs_m.zip(&lock.arcs_m).map(|(seen, own)| f64::max((seen - own).abs() - STRETCH_M, 0.0)).collect()
 }
 
-/// How far each joint is bent since rest, and how far the stick before it has turned, when no stick turns about itself.
-fn bends(lock: &Lock, directions: &[Vec3]) -> (Vec<Vec3>, Vec<UnitQuaternion<f64>>) {
-    let mut turned = UnitQuaternion::identity();
-    let mut bends = Vec::with_capacity(directions.len());
-    let mut before = Vec::with_capacity(directions.len());
-    for (direction, rest) in directions.iter().zip(&lock.rest_directions) {
-        let carried = turned * rest;
-        bends.push(shortest_turn(carried, *direction));
-        before.push(turned);
-        turned = shortest_rotation(carried, *direction) * turned;
+/// How a lock has turned since rest when no stick turns about itself, as in [`LockAt`].
+struct Turns {
+    bends: Vec<Vec3>,
+    turned: Vec<UnitQuaternion<f64>>,
+    across: Vec<[Vec3; 2]>,
+}
+
+impl Turns {
+    fn since_rest(lock: &Lock, directions: &[Vec3]) -> Self {
+        let n = directions.len();
+        let (mut bends, mut before) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        let mut across = Vec::with_capacity(n);
+        let mut turned = UnitQuaternion::identity();
+        for (direction, rest) in directions.iter().zip(&lock.rest_directions) {
+            let carried = turned * rest;
+            bends.push(shortest_turn(carried, *direction));
+            before.push(turned);
+            turned = shortest_rotation(carried, *direction) * turned;
+            across.push(moments::across(*rest).map(|axis| turned * axis));
+        }
+        Self { bends, turned: before, across }
     }
-    (bends, before)
 }
 
 /// The direction in which a lock leaves its root: that of the smoothest curve through its markers at rest.

@@ -23,14 +23,11 @@ pub(crate) enum DragSlope {
     Secant(f64),
 }
 
-/// Two unit vectors across each joint's stick.
-pub(crate) fn across(directions: &[Vec3]) -> Vec<[Vec3; 2]> {
-    let pair = |d: &Vec3| {
-        let axis = if d.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };
-        let first = d.cross(&axis).normalize();
-        [first, d.cross(&first)]
-    };
-    directions.iter().map(pair).collect()
+/// Two unit vectors across a direction.
+pub(crate) fn across(direction: Vec3) -> [Vec3; 2] {
+    let axis = if direction.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };
+    let first = direction.cross(&axis).normalize();
+    [first, direction.cross(&first)]
 }
 
 /// A lock at a step, with its mechanics.
@@ -58,7 +55,6 @@ impl Balance<'_> {
         let &Self { seen, step, step_secs, rest, law, scales, defect, .. } = self;
         let (lock, at) = (&seen.lock, &seen.steps[step]);
         let n = lock.n_sticks();
-        let across = across(&at.directions);
         let mut moments = DVector::zeros(2 * n);
         let mut by_wind = DMatrix::zeros(2 * n, 3 * seen.wind_places_m.len());
         // By wind place, the change of the moment about the joint and of the pull on it.
@@ -87,7 +83,7 @@ impl Balance<'_> {
             let at_rest = rest.map_or_else(Vec3::zeros, |rest| at.turned[j] * rest.torques[j]);
             let defect = defect.map_or_else(Vec3::zeros, |defect| defect.at(j, at.directions[j]));
             let total = moment + at_rest + bending - defect;
-            for (row, axis) in across[j].iter().enumerate() {
+            for (row, axis) in at.across[j].iter().enumerate() {
                 moments[2 * j + row] = axis.dot(&total);
                 for (place, m) in moment_by_wind.iter().enumerate() {
                     let change = m.tr_mul(axis);

@@ -1,6 +1,6 @@
 //! How far a lock's moments may be off, and how they go together.
 
-use super::moments::{Balance, across};
+use super::moments::Balance;
 use nalgebra::DMatrix;
 use tousle_core::{STANDARD_GRAVITY, Vec3};
 
@@ -41,12 +41,11 @@ pub(crate) fn covariance(balance: &Balance<'_>) -> DMatrix<f64> {
     };
     let spreads: Vec<f64> = (0..n).map(spread).collect();
     // Levers: the moment of a unit force at every point on every joint, across its stick.
-    let across = across(&at.directions);
     let mut levers = DMatrix::zeros(2 * n, 3 * n);
     for j in 0..n {
         for k in j..n {
             let arm: Vec3 = at.points_m[k + 1] - at.points_m[j];
-            for (row, axis) in across[j].iter().enumerate() {
+            for (row, axis) in at.across[j].iter().enumerate() {
                 // axis · (arm × f) = (axis × arm) · f
                 let lever = axis.cross(&arm) * spreads[k];
                 for c in 0..3 {
@@ -81,5 +80,10 @@ pub(crate) fn covariance(balance: &Balance<'_>) -> DMatrix<f64> {
             covariance[(2 * j + row, 2 * j + row)] += own;
         }
     }
-    covariance * f64::max(ERROR_LASTS_SECS / step_secs, 1.0)
+    covariance * counted_as_one(step_secs)
+}
+
+/// How many steps count as one, whose errors are alike.
+pub(crate) fn counted_as_one(step_secs: f64) -> f64 {
+    f64::max(ERROR_LASTS_SECS / step_secs, 1.0)
 }

@@ -1,17 +1,19 @@
 use super::lock::SeenLock;
-use super::moments::across;
 use nalgebra::DVector;
 use tousle_core::Vec3;
+use tousle_flow::AirFlow;
 use tousle_rod::shortest_rotation;
 
 /// What simulating the captured wig taught, to measure anew with: `tousle-refine` makes it. By lock of the session, empty
-/// where nobody was taught anything.
+/// where nothing was taught.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Taught {
     /// What each lock is made of.
     pub scales: Vec<Scales>,
     /// What the balance of moments leaves over of each.
     pub defects: Vec<Option<Defects>>,
+    /// The air that was found before, of as many steps: to start from, so that fewer rounds are needed.
+    pub air: Option<AirFlow>,
 }
 
 /// A lock's mechanics as factors on what is taken for likely: the stiffness of as many hairs as weigh so much, and the drag of
@@ -65,11 +67,11 @@ impl Defects {
 impl DefectAt {
     /// From two numbers a joint across its stick.
     pub(crate) fn new(seen: &SeenLock, step: usize, moments: &DVector<f64>) -> Self {
-        let directions = &seen.steps[step].directions;
+        let at = &seen.steps[step];
         let moment =
             |(j, [first, second]): (usize, &[Vec3; 2])| first * moments[2 * j] + second * moments[2 * j + 1];
-        let moments = across(directions).iter().enumerate().map(moment).collect();
-        Self { directions: directions.clone(), moments }
+        let moments = at.across.iter().enumerate().map(moment).collect();
+        Self { directions: at.directions.clone(), moments }
     }
 
     /// About a joint whose stick points along `direction`, N·m: turned along with the stick.

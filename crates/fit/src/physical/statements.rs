@@ -1,0 +1,183 @@
+//! What all locks say of the air at every step, with errors that last.
+
+use super::moments::DragSlope;
+use super::noise::counted_as_one;
+use super::smoother::Said;
+use super::solve::{Problem, Surroundings};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use tousle_flow::AirFlow;
+
+/// What all locks say at a step.
+pub(crate) struct StepSaid {
+    pub(crate) of_air: Said,
+    pub(crate) of_locks: Vec<LockSaid>,
+}
+
+/// What a lock at a step says of itself.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct LockSaid {
+    /// Of its moments, each over its expected error.
+    pub(crate) square: f64,
+    /// Whether the body pushes it.
+    pub(crate) touches: bool,
+}
+
+/// How long the errors of a lock's moments last, s: that of its mass, its width and how it hung for as long as it leans so.
+/// If it rises, how a lock leans tells less of the wind, and how that changes tells more.
+const LASTS_SECS: f64 = 0.2;
+
+/// The share of their square that does not last.
+const FLEETING_SHARE: f64 = 0.5;
+
+/// How long that lasts, s: smoothed tracks say nothing new in less.
+const FLEETING_SECS: f64 = 1.0 / 30.0;
+
+/// Steps that are asked together: of those at either end neighbors are asked as well.
+const ASKED_TOGETHER: usize = 12;
+
+/// What the locks say at all steps, made linear in the state of the air.
+pub(crate) fn ask(
+    problem: &Problem<'_>,
+    around: &Surroundings,
+    air: &AirFlow,
+    slope: DragSlope,
+) -> Vec<StepSaid> {
+    let n_steps = problem.clock.n_steps;
+    let counts = Counts::of_steps(1.0 / problem.clock.rate_hz);
+    let of_chunk = |chunk: usize| {
+        let first = chunk * ASKED_TOGETHER;
+        let end = (first + ASKED_TOGETHER).min(n_steps);
+        let from = first.saturating_sub(1);
+        let all: Vec<Statements> = (from..(end + 1).min(n_steps))
+            .map(|step| Statements::of(problem, around, air, step, slope))
+            .collect();
+        let said = |step: usize| {
+            let at = step - from;
+            let before = at.checked_sub(1).map(|k| &all[k]);
+            let of_locks = all[at].locks.iter().map(|lock| lock.unwrap_or_default()).collect();
+            StepSaid { of_locks, of_air: all[at].said(before, all.get(at + 1), &counts) }
+        };
+        (first..end).map(said).collect::<Vec<_>>()
+    };
+    (0..n_steps.div_ceil(ASKED_TOGETHER)).into_par_iter().flat_map_iter(of_chunk).collect()
+}
+
+/// How much a statement counts if its error lasts.
+///
+/// An error z of variance 1 of which a share `a` is left at the next step has the precision (z − a z₋)² / (1 − a²). As
+/// (z − a z₋)² = a (z − z₋)² + (1 − a) (z² − a z₋²), that is (1 − a) / (1 + a) for every step's own, and for every change from step to
+/// step all but what it varies by.
+struct Counts {
+    own: f64,
+    change: f64,
+}
+
+impl Counts {
+    fn of_steps(step_secs: f64) -> Self {
+        let left = libm::exp(-step_secs / LASTS_SECS);
+        let of_change = 2.0 * (1.0 - left) * (1.0 - FLEETING_SHARE) + 2.0 * FLEETING_SHARE;
+        let as_one = counted_as_one(step_secs);
+        Self {
+            own: as_one * (1.0 - left) / (1.0 + left),
+            change: as_one * f64::min(step_secs / FLEETING_SECS, 1.0) / of_change,
+        }
+    }
+}
+
+/// What all locks say at a step, one statement below the other.
+struct Statements {
+    /// By lock; `None` if it says nothing.
+    locks: Vec<Option<LockSaid>>,
+    /// How many statements each lock makes.
+    n_rows: Vec<usize>,
+    /// How much each lock counts: 1, or less for an outlier.
+    weights: Vec<f64>,
+    by_state: DMatrix<f64>,
+    /// What `by_state` times the state should be.
+    target: DVector<f64>,
+}
+
+impl Statements {
+    fn of(
+        problem: &Problem<'_>,
+        around: &Surroundings,
+        air: &AirFlow,
+        step: usize,
+        slope: DragSlope,
+    ) -> Self {
+        let (now, values) = (air.now(step), &air.states[step].values);
+        let n_rows: Vec<usize> = problem.locks.iter().map(|seen| 2 * seen.lock.n_sticks()).collect();
+        let n_all = n_rows.iter().sum();
+        // All below one another: one product of large matrices is several times as quick as many of small ones.
+        let mut said = Self {
+            locks: Vec::with_capacity(n_rows.len()),
+            weights: Vec::with_capacity(n_rows.len()),
+            by_state: DMatrix::zeros(n_all, values.len()),
+            target: DVector::zeros(n_all),
+            n_rows,
+        };
+        let mut first = 0;
+        for (lock, n) in said.n_rows.iter().enumerate() {
+            let balance = around.balance(problem, lock, step);
+            let station = &around.stations[step][lock];
+            let evidence = station.evidence(&balance, air, &now, slope, problem.session.body.friction);
+            if let Some(evidence) = &evidence {
+                let mut rows = said.by_state.rows_mut(first, *n);
+                rows.gemm(1.0, &evidence.by_wind, &evidence.winds_by_state, 0.0);
+                said.target.rows_mut(first, *n).axpy(-1.0, &evidence.moments, 0.0);
+            }
+            said.weights.push(evidence.as_ref().map_or(0.0, |evidence| evidence.weight));
+            said.locks.push(evidence.map(|evidence| LockSaid {
+                square: evidence.moments.norm_squared(),
+                touches: evidence.n_pushing > 0,
+            }));
+            first += n;
+        }
+        said.target.gemv(1.0, &said.by_state, values, 1.0);
+        said
+    }
+
+    /// A number for each statement from one for each lock.
+    fn by_row(&self, of_lock: impl Fn(usize) -> f64) -> DVector<f64> {
+        let rows = self.n_rows.iter().enumerate();
+        let repeated = rows.flat_map(|(lock, n)| core::iter::repeat_n(of_lock(lock), *n));
+        DVector::from_iterator(self.target.len(), repeated)
+    }
+
+    /// How much the changes to another step count: nothing where the body pushes, as that comes and goes.
+    fn changes(&self, other: &Self, counts: &Counts) -> DVector<f64> {
+        self.by_row(|lock| match (&self.locks[lock], &other.locks[lock]) {
+            (Some(a), Some(b)) if !a.touches && !b.touches => {
+                counts.change * f64::min(self.weights[lock], other.weights[lock])
+            }
+            _ => 0.0,
+        })
+    }
+
+    /// What they say of the air, with their changes from the step before and to the one after.
+    fn said(&self, before: Option<&Self>, after: Option<&Self>, counts: &Counts) -> Said {
+        let mut weights = self.by_row(|lock| counts.own * self.weights[lock]);
+        let mut pull = weights.component_mul(&self.target);
+        let mut add = |other: &Self| {
+            let changes = self.changes(other, counts);
+            pull += changes.component_mul(&(&self.target - &other.target));
+            weights += &changes;
+            changes
+        };
+        let with_before =
+            before.map(|before| scaled(&self.by_state, &add(before)).transpose() * &before.by_state);
+        if let Some(after) = after {
+            add(after);
+        }
+        let turned = scaled(&self.by_state, &weights).transpose();
+        Said { information: turned * &self.by_state, vector: self.by_state.tr_mul(&pull), with_before }
+    }
+}
+
+/// A matrix with its rows times some numbers.
+fn scaled(matrix: &DMatrix<f64>, by_row: &DVector<f64>) -> DMatrix<f64> {
+    let mut scaled = matrix.clone();
+    scaled.column_iter_mut().for_each(|mut column| column.component_mul_assign(by_row));
+    scaled
+}
