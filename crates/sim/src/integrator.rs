@@ -73,11 +73,6 @@ impl Integrator {
         }
     }
 
-    /// Whether it moves all strands of the method `physical` by the same steps.
-    pub(crate) fn is_in_step(self) -> bool {
-        matches!(self, Self::Implicit | Self::ImplicitEuler)
-    }
-
     /// Whether a step can be too long for it.
     pub fn is_limited(self) -> bool {
         matches!(self, Self::SemiImplicit | Self::Rk4)

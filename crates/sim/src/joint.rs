@@ -35,9 +35,9 @@ impl<L: Lane> JointStep<L> {
 
     #[inline(always)]
     fn semi_implicit(joint: JointEquation<L>, dt_secs: f64) -> Self {
+        let one = joint.strength.same(1.0);
         let free = joint.per_inertia * joint.strength.same(dt_secs);
-        let rate_per_rate =
-            joint.strength.same(1.0) / free.mul_add(joint.resistance, joint.strength.same(1.0));
+        let rate_per_rate = one / free.mul_add(joint.resistance, one);
         Self { rate_per_rate, rate_per_torque: free * rate_per_rate }
     }
 
@@ -57,21 +57,23 @@ impl<L: Lane> JointStep<L> {
     /// step is too long: a joint swings by at most 1 + √2 times the angle at which it would balance the torque.
     #[inline(always)]
     fn exponential(joint: JointEquation<L>, dt_secs: f64) -> Self {
-        let free = joint.per_inertia * joint.strength.same(dt_secs);
-        let fades = joint.resistance * free * joint.strength.same(0.5);
-        let phase2 = joint.strength * free * joint.strength.same(dt_secs);
+        let JointEquation { per_inertia, resistance, strength } = joint;
+        let (zero, half, dt) = (strength.same(0.0), strength.same(0.5), strength.same(dt_secs));
+        let free = per_inertia * dt;
+        let fades = resistance * free * half;
+        let phase2 = strength * free * dt;
         let faded = fade(fades);
-        let remains = joint.strength.same(1.0) + faded;
+        let remains = strength.same(1.0) + faded;
         let swing2 = phase2 - fades * fades;
         // |1 − exp(−fade + iω)|², as a sum of squares.
-        let phase = swing2.max(joint.strength.same(0.0)).sqrt();
-        let sin = sine_to_quarter(phase.min(joint.strength.same(FRAC_PI_2)) * joint.strength.same(0.5));
-        let mut share = (faded * faded + remains * sin * sin * joint.strength.same(4.0)) / phase2;
-        if !swing2.all_above(joint.strength.same(0.0)) {
-            let fast = fades + (-swing2).max(joint.strength.same(0.0)).sqrt();
+        let phase = swing2.max(zero).sqrt();
+        let sin = sine_to_quarter(phase.min(strength.same(FRAC_PI_2)) * half);
+        let mut share = (faded * faded + remains * sin * sin * strength.same(4.0)) / phase2;
+        if !swing2.all_above(zero) {
+            let fast = fades + (-swing2).max(zero).sqrt();
             // The slow root from the product of both: their difference would cancel.
-            let slow = fast.above(joint.strength.same(0.0), phase2 / fast, joint.strength.same(0.0));
-            share = swing2.above(joint.strength.same(0.0), share, mean_fade(fast) * mean_fade(slow));
+            let slow = fast.above(zero, phase2 / fast, zero);
+            share = swing2.above(zero, share, mean_fade(fast) * mean_fade(slow));
         }
         Self { rate_per_rate: remains * remains, rate_per_torque: free * share }
     }

@@ -13,9 +13,8 @@ mod bending;
 mod build;
 mod contact;
 mod forces;
-mod run;
-
-pub(crate) use run::{Held, Ready};
+mod mechanics;
+mod stability;
 
 use crate::Integrator;
 use crate::joint::{JointEquation, JointStep};
@@ -23,24 +22,20 @@ use crate::lane::{Lane, Symmetric, Vector, cos_and_sine_share};
 use crate::plan::Terms;
 use crate::timeline::StepScene;
 use contact::Contacts;
-use tousle_rod::{Lock, turned};
+use tousle_rod::{DragLaw, Lock, turned};
 
 /// What all strands of a run share.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PaperModel {
-    pub integrator: Integrator,
-    pub terms: Terms,
-    pub friction: f64,
+pub(crate) struct Paper {
+    integrator: Integrator,
+    terms: Terms,
+    friction: f64,
+    law: DragLaw,
 }
 
 /// Strands that are stepped together, one a lane.
-///
-/// Where one has fewer sticks than the longest, sticks without mass follow its tip; where there are fewer strands
-/// than lanes, the last one runs again and is not read.
 #[derive(Clone, Debug)]
 pub(crate) struct Batch<L> {
-    /// Index of the strand in each lane that is read.
-    pub strands: Vec<usize>,
     /// Where they grow, head space, m.
     root: Vector<L>,
     /// Internal damping over stiffness, s.
@@ -88,7 +83,7 @@ struct Motion<L> {
 
 /// What one step writes and reads again.
 #[derive(Clone, Copy, Debug)]
-struct Work<L> {
+pub(crate) struct Work<L> {
     /// The far end, head space, m, and its velocity in head space, m/s.
     end: Vector<L>,
     velocity: Vector<L>,
@@ -116,7 +111,7 @@ struct AirOnStick<L> {
 struct Step<'a, 'b, L> {
     batch: &'a mut Batch<L>,
     work: &'a mut Vec<Work<L>>,
-    model: &'a PaperModel,
+    model: &'a Paper,
     scene: &'a StepScene<'b>,
 }
 
@@ -131,12 +126,12 @@ impl<L: Lane> pulp::NullaryFnOnce for Step<'_, '_, L> {
 
 impl<L: Lane> Batch<L> {
     /// One step of E1 for every joint. `work` is room for it.
-    fn step(&mut self, work: &mut Vec<Work<L>>, model: &PaperModel, scene: &StepScene<'_>) {
+    fn step(&mut self, work: &mut Vec<Work<L>>, model: &Paper, scene: &StepScene<'_>) {
         L::dispatch(Step { batch: self, work, model, scene });
     }
 
     #[inline(always)]
-    fn step_here(&mut self, work: &mut Vec<Work<L>>, model: &PaperModel, scene: &StepScene<'_>) {
+    fn step_here(&mut self, work: &mut Vec<Work<L>>, model: &Paper, scene: &StepScene<'_>) {
         work.resize(self.sticks.len(), Work::new());
         self.move_points(work);
         // E2: gravity, head movement, wind, collision; the spring along the strand is the sum in `solve_joints`.
@@ -167,7 +162,7 @@ impl<L: Lane> Batch<L> {
 
     /// S of E2 and E1: sums along the strand from the tip, and each joint's equation on the way.
     #[inline(always)]
-    fn solve_joints(&mut self, work: &mut [Work<L>], model: &PaperModel, dt_secs: f64) {
+    fn solve_joints(&mut self, work: &mut [Work<L>], model: &Paper, dt_secs: f64) {
         let mut pull = Vector::none(self.damping_secs);
         let mut air = AirFurtherOut::nothing(self.damping_secs);
         let mut next_torque = Vector::none(self.damping_secs);
@@ -250,7 +245,7 @@ impl<L: Lane> AirFurtherOut<L> {
 ///
 /// s, the distance from the root along the strand, stands for the distance in space. It makes the sum a
 /// constant, and no smaller than any row of the chain's mass matrix, however the strand lies.
-pub(crate) fn inertias(lock: &Lock) -> Vec<f64> {
+fn inertias(lock: &Lock) -> Vec<f64> {
     let mut further_out = 0.0;
     let mut inertias = vec![0.0; lock.n_sticks()];
     for j in (0..lock.n_sticks()).rev() {
@@ -262,7 +257,7 @@ pub(crate) fn inertias(lock: &Lock) -> Vec<f64> {
 
 /// τ as far as it keeps joints stable that are solved one by one: the sum of the absolute values of a joint's row
 /// of the chain's stiffness (Gershgorin), N·m. Nothing that its neighbors do can ask for more.
-pub(crate) fn bending_bounds(lock: &Lock) -> Vec<f64> {
+fn bending_bounds(lock: &Lock) -> Vec<f64> {
     let stiffness = |j: usize| lock.joint_stiffness.get(j).copied().unwrap_or(0.0);
     (0..lock.n_sticks())
         .map(|j| {

@@ -5,8 +5,8 @@
 //! further out does to a stick is a quadratic form of its near end's displacement and of its own turn, so a sweep from the tip
 //! inwards and one back solve all joints exactly, at a cost that grows with the number of sticks and no faster.
 //!
-//! [`Ready`] prepares strands ([`build`]) and puts them side by side ([`batch`]); [`march`] steps them ([`implicit`],
-//! [`explicit`], [`adaptive`]) by the sweeps of [`newton`].
+//! Strands are prepared and put side by side ([`build`], [`batch`]) and stepped ([`implicit`], [`explicit`], [`adaptive`])
+//! by the sweeps of [`newton`].
 
 mod adaptive;
 mod batch;
@@ -16,12 +16,11 @@ mod drag;
 mod explicit;
 mod implicit;
 mod link;
-mod march;
+mod mechanics;
 mod newton;
-mod run;
 mod scene;
 mod stability;
 
 pub(crate) use contact::gaps;
 pub(crate) use drag::STILL2;
-pub(crate) use run::{Held, Ready};
+pub(crate) use mechanics::Physical;

@@ -1,7 +1,11 @@
 //! A simulation that stays prepared while the layers on its field change.
 
+use crate::mechanics::Setting;
+use crate::paper::Paper;
+use crate::physical::Physical;
+use crate::ready::{self, Ready, Resident};
 use crate::timeline::Runs;
-use crate::{Keeper, Method, SimError, SimOptions, Simulation, check, paper, physical};
+use crate::{Keeper, Method, SimError, SimOptions, Simulation, check};
 use tousle_core::{Groom, Progress, StrandMotion};
 use tousle_field::{FieldLayer, FieldSequence, Scene};
 
@@ -13,14 +17,8 @@ use tousle_field::{FieldLayer, FieldSequence, Scene};
 #[derive(Debug)]
 pub struct Simulator<'a> {
     groom: &'a Groom,
-    ready: Ready<'a>,
+    ready: Box<dyn Resident + 'a>,
     times_secs: Vec<f64>,
-}
-
-#[derive(Debug)]
-enum Ready<'a> {
-    Paper(paper::Ready<'a>),
-    Physical(physical::Ready<'a>),
 }
 
 /// Some strands of a [`Simulator`], stopped at a frame: runs that differ only later go on from here.
@@ -29,13 +27,7 @@ pub struct Held {
     /// Their indices, ascending.
     strands: Vec<usize>,
     frame: usize,
-    state: State,
-}
-
-#[derive(Clone, Debug)]
-enum State {
-    Paper(paper::Held),
-    Physical(physical::Held),
+    state: ready::Held,
 }
 
 impl Held {
@@ -65,9 +57,10 @@ impl<'a> Simulator<'a> {
         groom.check()?;
         check::check_scene(scene, options)?;
         check::check_options(options)?;
+        let setting = Setting { field, scene, groom, options };
         let ready = match options.method {
-            Method::Paper => Ready::Paper(paper::Ready::new(field, scene, groom, options)?),
-            Method::Physical => Ready::Physical(physical::Ready::new(field, scene, groom, options)?),
+            Method::Paper => Ready::<Paper>::resident(setting)?,
+            Method::Physical => Ready::<Physical>::resident(setting)?,
         };
         let times_secs = ready.times_secs();
         Ok(Self { groom, ready, times_secs })
@@ -94,10 +87,7 @@ impl<'a> Simulator<'a> {
         progress: &dyn Progress,
         runs: Runs,
     ) -> Result<Simulation, SimError> {
-        match &self.ready {
-            Ready::Paper(ready) => ready.run(layers, keeper, progress, runs),
-            Ready::Physical(ready) => ready.run(layers, keeper, progress, runs),
-        }
+        self.ready.run(layers, keeper, progress, runs)
     }
 
     /// Runs some strands, by their ascending indices: a motion of these alone.
@@ -108,10 +98,7 @@ impl<'a> Simulator<'a> {
     /// # Panics
     /// If the groom has no such strand.
     pub fn simulate_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<StrandMotion, SimError> {
-        let positions_m = match &self.ready {
-            Ready::Paper(ready) => ready.run_some(layers, strands),
-            Ready::Physical(ready) => ready.run_some(layers, strands),
-        }?;
+        let positions_m = self.ready.run_some(layers, strands)?;
         Ok(self.motion(strands, (0, self.times_secs.len() - 1), positions_m))
     }
 
@@ -124,10 +111,7 @@ impl<'a> Simulator<'a> {
     /// If the groom has no such strand.
     pub fn hold(&self, layers: &[FieldLayer], strands: &[usize], secs: f64) -> Result<Held, SimError> {
         let frame = self.frame_at(secs);
-        let state = match &self.ready {
-            Ready::Paper(ready) => State::Paper(ready.hold(layers, strands, frame)?),
-            Ready::Physical(ready) => State::Physical(ready.hold(layers, strands, frame)?),
-        };
+        let state = self.ready.hold(layers, strands, frame)?;
         Ok(Held { strands: strands.to_vec(), frame, state })
     }
 
@@ -146,19 +130,13 @@ impl<'a> Simulator<'a> {
         until_secs: f64,
     ) -> Result<StrandMotion, SimError> {
         let frames = (held.frame, self.frame_from(until_secs).max(held.frame));
-        let positions_m = match (&self.ready, &held.state) {
-            (Ready::Paper(ready), State::Paper(state)) => ready.go_on(state, layers, &held.strands, frames),
-            (Ready::Physical(ready), State::Physical(state)) => {
-                ready.go_on(state, layers, &held.strands, frames)
-            }
-            _ => panic!("strands held by a simulator of another method"),
-        }?;
+        let positions_m = self.ready.go_on(&held.state, layers, &held.strands, frames)?;
         Ok(self.motion(&held.strands, frames, positions_m))
     }
 
     /// [`Simulator::go_on`] of one strand for many variants at once: each sees its own layers beside the common ones.
     ///
-    /// With method `physical` the variants are stepped side by side, and cost little more than as many strands.
+    /// The variants are stepped side by side, unless each has steps of its own, and cost little more than as many strands.
     ///
     /// # Errors
     /// As [`Simulator::simulate`].
@@ -174,15 +152,7 @@ impl<'a> Simulator<'a> {
     ) -> Result<Vec<StrandMotion>, SimError> {
         let [strand] = held.strands[..] else { panic!("{} strands, expected one", held.strands.len()) };
         let frames = (held.frame, self.frame_from(until_secs).max(held.frame));
-        let moved = match (&self.ready, &held.state) {
-            (Ready::Paper(ready), State::Paper(state)) => {
-                ready.variants(state, layers, variants, strand, frames)
-            }
-            (Ready::Physical(ready), State::Physical(state)) => {
-                ready.variants(state, layers, variants, strand, frames)
-            }
-            _ => panic!("a strand held by a simulator of another method"),
-        }?;
+        let moved = self.ready.variants(&held.state, layers, variants, strand, frames)?;
         Ok(moved.into_iter().map(|positions_m| self.motion(&held.strands, frames, positions_m)).collect())
     }
 
@@ -201,15 +171,6 @@ impl<'a> Simulator<'a> {
             counts: strands.iter().map(|s| self.groom.strands[*s].rest_curve_m.len()).collect(),
             times_secs: self.times_secs[frames.0..=frames.1].to_vec(),
             positions_m,
-        }
-    }
-}
-
-impl Ready<'_> {
-    fn times_secs(&self) -> Vec<f64> {
-        match self {
-            Self::Paper(ready) => ready.times_secs(),
-            Self::Physical(ready) => ready.times_secs(),
         }
     }
 }

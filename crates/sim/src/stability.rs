@@ -1,66 +1,69 @@
-//! How long a step semi-implicit Euler stands.
+//! How long a step an explicit integrator stands.
 
-use crate::paper::{bending_bounds, inertias};
 use crate::timeline::Timeline;
-use tousle_core::{Groom, Quantity, Vec3};
+use crate::{Integrator, SimError, SimOptions};
+use tousle_core::{Assumption, Groom, Vec3};
 use tousle_field::{FieldLayer, FieldSequence};
-use tousle_rod::{DragLaw, Lock};
 
-/// The longest step for a groom, and the joint that sets it.
-#[derive(Clone, Debug)]
+/// The longest step for a groom, and what sets it.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Limit {
     /// The longest step, s.
     pub dt_secs: f64,
     /// Index of the strand.
     pub strand_idx: usize,
-    /// Index of the control point at the far end of the joint's stick.
-    pub point: usize,
+    /// Index of the control point at the far end of the joint's stick, where one joint sets it.
+    pub point: Option<usize>,
+    /// A strand that bending does not keep from cracking like a whip; for such hair the limit is a hope.
+    pub limp_idx: Option<usize>,
 }
 
-/// The longest step of semi-implicit Euler: 2 over the highest frequency a joint can have, √(τ / I1).
-///
-/// τ holds the bending of the joint and its neighbors, and what pulls on its stick: the weight, the strongest
-/// acceleration of the head, and the strongest wind of the field. It is a bound: some longer steps would do.
-pub(crate) fn limit(
-    field: &FieldSequence,
-    groom: &Groom,
-    timeline: &Timeline<'_>,
-    drag: &DragLaw,
-) -> Option<Limit> {
-    let terms = timeline.terms;
-    let head = timeline.strongest_pull();
-    let strongest = if terms.wind { strongest_vector(field, timeline.layers()) } else { 0.0 };
-    let mut limit: Option<Limit> = None;
-    for (strand_idx, strand) in groom.strands.iter().enumerate() {
-        let lock = Lock::new(strand);
-        let reach = lock.root_m.norm() + lock.reach_m();
-        let acceleration = head.acceleration + head.per_meter * reach;
-        let most = |of_sticks: &[f64]| of_sticks.iter().copied().fold(0.0, f64::max);
-        let wind = match terms.quantity {
-            Quantity::AirVelocity if terms.air => drag.across(most(&lock.widths_m), strongest) * strongest,
-            Quantity::AirVelocity => 0.0,
-            Quantity::ForcePerMass => strongest * most(&lock.linear_densities_kg_per_m),
-        };
-        for (j, dt_secs) in joint_limits(&lock, acceleration, wind).into_iter().enumerate() {
-            if limit.as_ref().is_none_or(|least| dt_secs < least.dt_secs) {
-                limit = Some(Limit { dt_secs, strand_idx, point: j + 1 });
-            }
+impl Limit {
+    /// The limit of both.
+    pub fn and(self, other: Self) -> Self {
+        let tighter = if other.dt_secs < self.dt_secs { other } else { self };
+        Self { limp_idx: self.limp_idx.or(other.limp_idx), ..tighter }
+    }
+
+    /// Cuts a timeline's frames into steps as long as it allows, or as are asked for.
+    pub fn cut(
+        &self,
+        timeline: &mut Timeline<'_>,
+        groom: &Groom,
+        options: &SimOptions,
+    ) -> Result<(), SimError> {
+        let default_secs = f64::min(SimOptions::DEFAULT_DT_SECS, self.dt_secs);
+        timeline.cut(options.dt_secs.unwrap_or(default_secs))?;
+        if timeline.dt_secs() > self.dt_secs {
+            return Err(SimError::Unstable {
+                integrator: options.integrator().name(),
+                dt_secs: timeline.dt_secs(),
+                limit_secs: self.dt_secs,
+                strand: groom.strands[self.strand_idx].name.clone(),
+                point: self.point,
+            });
         }
+        Ok(())
     }
-    limit.filter(|limit| limit.dt_secs.is_finite())
+
+    /// What is assumed of hair that may crack like a whip.
+    pub fn hope(&self, integrator: Integrator, groom: &Groom, dt_secs: f64) -> Option<Assumption> {
+        let strand = &groom.strands[self.limp_idx?].name;
+        Some(Assumption {
+            what: format!("stability of {}", integrator.name()),
+            value: format!("steps of {dt_secs:.3e} s hold"),
+            why: format!(
+                "{strand} is limp: when it cracks like a whip no explicit step is sure to be short enough"
+            ),
+        })
+    }
 }
 
-fn joint_limits(lock: &Lock, acceleration: f64, wind_per_length: f64) -> Vec<f64> {
-    let inertias = inertias(lock);
-    let bending = bending_bounds(lock);
-    let mut pull = 0.0;
-    let mut limits = vec![f64::INFINITY; lock.n_sticks()];
-    for j in (0..lock.n_sticks()).rev() {
-        pull += lock.masses_kg[j] * acceleration + lock.hair_lengths_m[j] * wind_per_length;
-        let strength = bending[j] + lock.lengths_m[j] * pull;
-        limits[j] = 2.0 * (inertias[j] / strength).sqrt();
-    }
-    limits
+/// An integrator's limit for a groom, for the report.
+pub(crate) fn in_words(limit: Option<&Limit>, groom: &Groom) -> String {
+    let Some(limit) = limit else { return "none: no step is too long or too stiff".to_owned() };
+    let point = limit.point.map(|point| format!(", control point {point}")).unwrap_or_default();
+    format!("{:.3e} s, set by strand {}{point}", limit.dt_secs, groom.strands[limit.strand_idx].name)
 }
 
 /// The longest vector of a field under some layers.

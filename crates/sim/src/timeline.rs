@@ -169,6 +169,12 @@ impl<'a> Timeline<'a> {
         self.start_secs + frame as f64 / self.rate_hz
     }
 
+    /// Time at which a step, from 0, begins, s on the field's clock.
+    pub fn step_secs(&self, step: usize) -> f64 {
+        let (frame, within) = (step / self.steps_per_frame, step % self.steps_per_frame);
+        self.frame_secs(frame) + within as f64 * self.dt_secs()
+    }
+
     /// Gravity in head axes in the pose in which the groom hangs still, m/s².
     pub fn gravity_at_rest(&self) -> Vec3 {
         self.scene.rest_pose.rotation.inverse() * self.scene.gravity_world
@@ -212,8 +218,7 @@ impl<'a> Timeline<'a> {
     /// What the world does in a step, from 0.
     pub fn step_scene<'b>(&self, step: usize, sampler: &'b Sampler<'b>, reading: Reading) -> StepScene<'b> {
         let dt_secs = self.dt_secs();
-        let (frame, within) = (step / self.steps_per_frame, step % self.steps_per_frame);
-        let begin = self.frame_secs(frame) + within as f64 * dt_secs;
+        let begin = self.step_secs(step);
         let middle = begin + 0.5 * dt_secs;
         let head = self.head_at(middle);
         let torso = self.torso_at(begin + dt_secs);
@@ -229,8 +234,14 @@ impl<'a> Timeline<'a> {
         }
     }
 
+    /// Where the torso is at a time.
     pub fn torso_at(&self, secs: f64) -> Pose {
-        self.scene.body.head_from_torso(&self.head_at(secs).world_from_head, &self.head.torso_rest)
+        self.torso(&self.head_at(secs))
+    }
+
+    /// Where the torso is, of a head that is somewhere.
+    pub fn torso(&self, head: &HeadMotion) -> Pose {
+        self.scene.body.head_from_torso(&head.world_from_head, &self.head.torso_rest)
     }
 
     pub fn head_at(&self, secs: f64) -> HeadMotion {

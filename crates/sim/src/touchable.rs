@@ -1,12 +1,13 @@
 //! What a strand can touch, and where it can get.
 
+use crate::prepared::Prepared;
 use crate::timeline::Timeline;
 use tousle_core::{Attachment, Vec3};
 use tousle_field::{Sampler, Scene};
 use tousle_rod::{Lock, Rest, Surface};
 
 /// A collider that a strand can reach.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Touchable {
     /// Index in the body.
     pub collider: usize,
@@ -42,10 +43,18 @@ pub(crate) fn touchable(
         .collect()
 }
 
+/// The colliders that some strands can reach, in the body's order.
+pub(crate) fn reached<S>(strands: &[&Prepared<S>]) -> Vec<Touchable> {
+    let mut reached: Vec<Touchable> = strands.iter().flat_map(|p| &p.touchable).copied().collect();
+    reached.sort_unstable();
+    reached.dedup();
+    reached
+}
+
 /// How many strands can reach each of a body's colliders.
-pub(crate) fn n_reaching<'a>(scene: &Scene, reached: impl Iterator<Item = &'a [Touchable]>) -> Vec<usize> {
+pub(crate) fn n_reaching<S>(scene: &Scene, strands: &[Prepared<S>]) -> Vec<usize> {
     let mut n_reaching = vec![0; scene.body.colliders.len()];
-    reached.flatten().for_each(|touchable| n_reaching[touchable.collider] += 1);
+    strands.iter().flat_map(|p| &p.touchable).for_each(|touchable| n_reaching[touchable.collider] += 1);
     n_reaching
 }
 

@@ -12,6 +12,7 @@ fn ways() -> Vec<SimOptions> {
     let of = |method, integrator| SimOptions { integrator: Some(integrator), ..SimOptions::of(method) };
     vec![
         of(Method::Paper, Integrator::Exponential),
+        of(Method::Paper, Integrator::SemiImplicit),
         of(Method::Physical, Integrator::Implicit),
         of(Method::Physical, Integrator::Adaptive),
         SimOptions { precision: Precision::Single, ..of(Method::Physical, Integrator::ImplicitEuler) },

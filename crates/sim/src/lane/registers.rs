@@ -99,8 +99,12 @@ pub(super) fn on_scalars<Op: NullaryFnOnce>(op: Op) -> Op::Output {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::Setting;
+    use crate::paper::Paper;
+    use crate::physical::Physical;
+    use crate::ready::Ready;
     use crate::timeline::Runs;
-    use crate::{Method, SimOptions, paper, physical};
+    use crate::{Method, SimOptions};
     use tousle_bench::worlds::{gusts, mannequin, wig};
     use tousle_core::NoProgress;
 
@@ -112,19 +116,13 @@ mod tests {
         for method in [Method::Paper, Method::Physical] {
             for precision in [Precision::Double, Precision::Single] {
                 let options = SimOptions { precision, duration_secs: Some(0.15), ..SimOptions::of(method) };
+                let setting = Setting { field: &field, scene: &scene, groom: &groom, options: &options };
                 let run = |registers: &Registers| {
-                    let simulation = match method {
-                        Method::Paper => {
-                            let mut ready = paper::Ready::new(&field, &scene, &groom, &options).unwrap();
-                            ready.registers = *registers;
-                            ready.run(&[], None, &NoProgress, Runs::Again)
-                        }
-                        Method::Physical => {
-                            let mut ready = physical::Ready::new(&field, &scene, &groom, &options).unwrap();
-                            ready.registers = *registers;
-                            ready.run(&[], None, &NoProgress, Runs::Again)
-                        }
+                    let ready = match method {
+                        Method::Paper => Ready::<Paper>::resident_in(setting, *registers, precision),
+                        Method::Physical => Ready::<Physical>::resident_in(setting, *registers, precision),
                     };
+                    let simulation = ready.unwrap().run(&[], None, &NoProgress, Runs::Again);
                     simulation.unwrap().motion.positions_m
                 };
                 let moved: Vec<_> = here.iter().map(run).collect();

@@ -1,37 +1,22 @@
 use super::contact::Contacts;
 use super::{Batch, Motion, Stick, bending_bounds, inertias};
 use crate::lane::{Lane, Vector};
-use crate::touchable::Touchable;
+use crate::prepared::Prepared;
 use tousle_core::Vec3;
-use tousle_rod::{DragLaw, Lock, Rest};
-
-/// A strand ready to be put into a batch.
-#[derive(Debug)]
-pub(super) struct Prepared {
-    pub lock: Lock,
-    pub rest: Rest,
-    pub touchable: Vec<Touchable>,
-}
-
-impl Prepared {
-    /// Deepest that the rest curve lies in the body, m, ≥ 0.
-    pub fn deepest_m(&self) -> f64 {
-        -self.rest.clearances_m.iter().copied().fold(0.0, f64::min)
-    }
-}
+use tousle_rod::DragLaw;
 
 impl<L: Lane> Batch<L> {
     /// Up to as many strands as there are lanes side by side, at rest in their rest curves.
-    pub(super) fn new(strands: &[(usize, &Prepared)], law: &DragLaw) -> Self {
-        let of = |lane: usize| strands[lane.min(strands.len() - 1)].1;
-        let n = strands.iter().map(|s| s.1.lock.n_sticks()).max().unwrap_or(0);
+    pub(super) fn new(strands: &[&Prepared<()>], law: &DragLaw) -> Self {
+        let of = |lane: usize| strands[lane.min(strands.len() - 1)];
+        let n = strands.iter().map(|p| p.lock.n_sticks()).max().unwrap_or(0);
         let per_lane: Vec<(Vec<f64>, Vec<f64>)> =
             (0..L::N).map(|lane| (inertias(&of(lane).lock), bending_bounds(&of(lane).lock))).collect();
         let stick = |k: usize| {
-            let own = |value: &dyn Fn(&Prepared, usize) -> f64, beyond: f64| {
+            let own = |value: &dyn Fn(&Prepared<()>, usize) -> f64, beyond: f64| {
                 L::from_fn(|lane| if k < of(lane).lock.n_sticks() { value(of(lane), lane) } else { beyond })
             };
-            let vector = |value: &dyn Fn(&Prepared) -> Option<Vec3>| {
+            let vector = |value: &dyn Fn(&Prepared<()>) -> Option<Vec3>| {
                 Vector::from_fn(|lane| value(of(lane)).unwrap_or_default())
             };
             Stick {
@@ -59,7 +44,6 @@ impl<L: Lane> Batch<L> {
         };
         let sticks: Vec<Stick<L>> = (0..n).map(stick).collect();
         Self {
-            strands: strands.iter().map(|s| s.0).collect(),
             root: Vector::from_fn(|lane| of(lane).lock.root_m),
             damping_secs: L::from_fn(|lane| of(lane).lock.damping_secs),
             motions: sticks

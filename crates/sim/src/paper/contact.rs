@@ -1,8 +1,9 @@
-use super::build::Prepared;
 use super::{Motion, Stick, Work};
 use crate::lane::{Lane, Symmetric, Vector};
 use crate::physical::gaps;
+use crate::prepared::Prepared;
 use crate::timeline::StepScene;
+use crate::touchable::{Touchable, reached};
 
 /// Ψ of E2: what the body does to the points it touches, found so that they stay outside.
 ///
@@ -10,8 +11,8 @@ use crate::timeline::StepScene;
 /// the joints' new rates still lack: at rest nothing is lacking, and what bears a strand bears it for ever.
 #[derive(Clone, Debug)]
 pub(super) struct Contacts<L> {
-    /// Index in the body of each collider that some of the strands can reach, and whether the torso carries it.
-    colliders: Vec<(usize, bool)>,
+    /// The colliders that some of the strands can reach.
+    colliders: Vec<Touchable>,
     /// One slot a collider and point, collider after collider.
     slots: Vec<Slot<L>>,
     /// What is known of each point's distance from all of them.
@@ -66,12 +67,9 @@ const ON_SURFACE_M: f64 = 1e-5;
 const MARGIN_M: f64 = 1e-4;
 
 impl<L: Lane> Contacts<L> {
-    pub fn new(strands: &[(usize, &Prepared)], n: usize) -> Self {
-        let of = |lane: usize| strands[lane.min(strands.len() - 1)].1;
-        let mut colliders: Vec<(usize, bool)> =
-            strands.iter().flat_map(|s| &s.1.touchable).map(|t| (t.collider, t.on_torso)).collect();
-        colliders.sort_unstable();
-        colliders.dedup();
+    pub fn new(strands: &[&Prepared<()>], n: usize) -> Self {
+        let of = |lane: usize| strands[lane.min(strands.len() - 1)];
+        let colliders = reached(strands);
         let slot = |collider: usize, stick: usize| {
             let reaches = |lane: usize| {
                 let p = of(lane);
@@ -93,7 +91,7 @@ impl<L: Lane> Contacts<L> {
                 rub: Vector::zero(),
             }
         };
-        let slots = colliders.iter().flat_map(|c| (0..n).map(|stick| slot(c.0, stick))).collect();
+        let slots = colliders.iter().flat_map(|c| (0..n).map(|stick| slot(c.collider, stick))).collect();
         let n = if colliders.is_empty() { 0 } else { n };
         Self {
             colliders,
@@ -126,7 +124,7 @@ impl<L: Lane> Contacts<L> {
     fn look(&mut self, stick: usize, work: &Work<L>, margin_m: L, scene: &StepScene<'_>) {
         let n = self.seen.len();
         let mut room_m = margin_m.same(f64::INFINITY);
-        for (k, &(collider, on_torso)) in self.colliders.iter().enumerate() {
+        for (k, &Touchable { collider, on_torso }) in self.colliders.iter().enumerate() {
             let slot = k * n + stick;
             let remembered = &mut self.slots[slot];
             let clearance_m = remembered.clearance_m;
@@ -260,8 +258,8 @@ impl<L: Lane> Contacts<L> {
     #[inline(always)]
     fn way_out(&self, point: Vector<L>, stick: usize, scene: &StepScene<'_>) -> (Vector<L>, L) {
         let (mut out, mut deepest) = (Vector::none(point.x), point.x.same(ON_SURFACE_M));
-        for (k, (collider, _)) in self.colliders.iter().enumerate() {
-            let (gap, normal) = gaps(&scene.surfaces[*collider], point);
+        for (k, touchable) in self.colliders.iter().enumerate() {
+            let (gap, normal) = gaps(&scene.surfaces[touchable.collider], point);
             let depth = self.slots[k * self.seen.len() + stick].clearance_m - gap;
             out = Vector::where_above(depth, deepest, normal * depth, out);
             deepest = deepest.max(depth);

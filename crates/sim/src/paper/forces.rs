@@ -1,4 +1,4 @@
-use super::{AirOnStick, Batch, PaperModel, Stick, Work};
+use super::{AirOnStick, Batch, Paper, Stick, Work};
 use crate::lane::{Lane, Symmetric, Vector, cos_and_sine};
 use crate::physical::STILL2;
 use crate::timeline::StepScene;
@@ -38,7 +38,7 @@ impl<L: Lane> Batch<L> {
 
     /// Ω of E2, and what I2 stands for: the air's push on each stick, half of it at either end.
     #[inline(always)]
-    pub(super) fn blow(&self, work: &mut [Work<L>], model: &PaperModel, scene: &StepScene<'_>) {
+    pub(super) fn blow(&self, work: &mut [Work<L>], model: &Paper, scene: &StepScene<'_>) {
         self.feel_wind(work, scene.wind.as_ref());
         let half = self.damping_secs.same(0.5);
         let mut near_velocity = Vector::none(self.damping_secs);
@@ -131,7 +131,7 @@ fn air_on_stick<L: Lane>(
 /// The wind across a stick whose push on it is the part across of this force per length, N/m; and the rest.
 #[inline(always)]
 fn wind_that_pushes<L: Lane>(
-    model: &PaperModel,
+    model: &Paper,
     stick: &Stick<L>,
     push: Vector<L>,
     direction: Vector<L>,

@@ -50,7 +50,7 @@ impl<L: Lane> Batch<L> {
                 dt => dt,
             };
             let now = Now::new(timeline, sampler, time + dt, Reading::LaidOut);
-            let carry = Carry::new(timeline, time, time + dt);
+            let carry = Carry::new(timeline, time, &now);
             let before = self.states.clone();
             let touchable = self.touchable.clone();
             let at_rest = self.at_rest;

@@ -1,7 +1,7 @@
 use super::contact::Touchable;
 use super::link::{Link, State, Work};
 use crate::lane::{Lane, Turn, Vector};
-pub(crate) use crate::parts::Count;
+use crate::parts::Count;
 use tousle_rod::DragLaw;
 
 /// What all strands of a run share.
@@ -38,13 +38,10 @@ impl Model {
 }
 
 /// Strands that are stepped together, one a lane.
-///
-/// Where one has fewer sticks than the longest, sticks without mass follow its tip; where there are fewer strands
-/// than lanes, the last one runs again and is not read.
 #[derive(Clone, Debug)]
 pub(crate) struct Batch<L> {
-    /// Index of the strand in each lane that is read.
-    pub strands: Vec<usize>,
+    /// How many there are; further lanes are not read.
+    pub n_strands: usize,
     /// Where they grow, head space, m.
     pub root: Vector<L>,
     /// Axes of the first sticks at rest.

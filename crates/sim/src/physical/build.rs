@@ -1,30 +1,32 @@
-use super::batch::{Batch, Count};
+use super::batch::Batch;
 use super::contact::{CONTACT_RATE, Touchable, limit_m};
 use super::link::{Link, State};
 use crate::lane::{Lane, Turn, Vector};
-use crate::touchable::Touchable as Reached;
+use crate::parts::Count;
+use crate::touchable::reached;
 use nalgebra::UnitQuaternion;
 use tousle_core::Vec3;
 use tousle_rod::{DragLaw, Lock, Rest, shortest_rotation};
 
 /// A strand ready to be put into a batch.
+pub(super) type Prepared = crate::prepared::Prepared<Shape>;
+
+/// How a strand is turned, bent and twisted at rest.
 #[derive(Debug)]
-pub(crate) struct Prepared {
-    pub lock: Lock,
-    pub rest: Rest,
+pub(crate) struct Shape {
     /// Stick axes to head axes at rest: the first by the shortest turn from x, each next by the shortest turn on.
     pub turns: Vec<UnitQuaternion<f64>>,
     /// Stiffness times the natural turn of each joint, axes of the stick before, N·m.
     pub natural: Vec<Vec3>,
-    /// Colliders in reach.
-    pub reaches: Vec<Reached>,
     /// By how many times joints were made stiffer to hold the style, at most; 1 if none was.
     pub stiffened: f64,
+    /// The highest frequency at which the joints swing, rad/s; 0 unless the integrator is limited by it.
+    pub stiffest: f64,
 }
 
-impl Prepared {
+impl Shape {
     /// The frames of a strand at rest, and the natural turns that leave it in balance there.
-    pub fn new(lock: Lock, rest: Rest, reaches: Vec<Reached>, stiffened: f64) -> Self {
+    pub fn new(lock: &Lock, rest: &Rest, stiffened: f64) -> Self {
         let mut turns: Vec<UnitQuaternion<f64>> = Vec::with_capacity(lock.n_sticks());
         let mut natural = Vec::with_capacity(lock.n_sticks());
         let mut direction_before = Vec3::x();
@@ -39,16 +41,7 @@ impl Prepared {
             turns.push(turn);
             direction_before = *direction;
         }
-        Self { lock, rest, turns, natural, reaches, stiffened }
-    }
-
-    fn reaches(&self, collider: usize) -> bool {
-        self.reaches.iter().any(|r| r.collider == collider)
-    }
-
-    /// Deepest that the rest curve lies in the body, m, ≥ 0.
-    pub fn deepest_m(&self) -> f64 {
-        -self.rest.clearances_m.iter().copied().fold(0.0, f64::min)
+        Self { turns, natural, stiffened, stiffest: 0.0 }
     }
 }
 
@@ -69,9 +62,9 @@ fn torque_to_load(bend: Vec3, torque: Vec3) -> Vec3 {
 }
 
 /// Puts up to as many strands as there are lanes side by side.
-pub(crate) fn build<L: Lane>(strands: &[(usize, &Prepared)], law: &DragLaw, n_colliders: usize) -> Batch<L> {
-    let of = |lane: usize| strands[lane.min(strands.len() - 1)].1;
-    let n = strands.iter().map(|s| s.1.lock.n_sticks()).max().unwrap_or(0);
+pub(super) fn build<L: Lane>(strands: &[&Prepared], law: &DragLaw) -> Batch<L> {
+    let of = |lane: usize| strands[lane.min(strands.len() - 1)];
+    let n = strands.iter().map(|p| p.lock.n_sticks()).max().unwrap_or(0);
     let per_stick = |stick: usize, value: &dyn Fn(&Prepared) -> f64, beyond: f64| {
         L::from_fn(|lane| {
             let p = of(lane);
@@ -84,7 +77,7 @@ pub(crate) fn build<L: Lane>(strands: &[(usize, &Prepared)], law: &DragLaw, n_co
             mass: per_stick(k, &|p| p.lock.masses_kg[k], 0.0),
             stiffness: per_stick(k, &|p| p.lock.joint_stiffness[k], 1e-6),
             damping_secs: per_stick(k, &|p| p.lock.damping_secs, 0.0),
-            natural: Vector::from_fn(|lane| of(lane).natural.get(k).copied().unwrap_or_default()),
+            natural: Vector::from_fn(|lane| of(lane).shape.natural.get(k).copied().unwrap_or_default()),
             drag: per_stick(
                 k,
                 &|p| 0.5 * law.air_density * p.lock.widths_m[k] * p.lock.hair_lengths_m[k],
@@ -106,11 +99,11 @@ pub(crate) fn build<L: Lane>(strands: &[(usize, &Prepared)], law: &DragLaw, n_co
         })
         .collect();
     let states: Vec<State<L>> = (0..n).map(|k| state_at_rest(k, &of)).collect();
-    let touchable = (0..n_colliders).filter_map(|collider| touchable(collider, n, strands, &of)).collect();
+    let touchable = reached(strands).iter().map(|t| touchable(t.collider, n, &of)).collect();
     Batch {
-        strands: strands.iter().map(|s| s.0).collect(),
+        n_strands: strands.len(),
         root: Vector::from_fn(|lane| of(lane).lock.root_m),
-        root_turn: turn_lanes(|lane| of(lane).turns[0]),
+        root_turn: turn_lanes(|lane| of(lane).shape.turns[0]),
         widths_m: (0..n).map(|k| per_stick(k, &|p| p.lock.widths_m[k], 1e-3)).collect(),
         densities: (0..n).map(|k| per_stick(k, &|p| p.lock.linear_densities_kg_per_m[k], 0.0)).collect(),
         links,
@@ -131,7 +124,7 @@ pub(super) fn contact_stiffness(lock: &Lock) -> f64 {
 
 fn state_at_rest<'a, L: Lane>(stick: usize, of: &impl Fn(usize) -> &'a Prepared) -> State<L> {
     // Sticks beyond a strand's own tip go on straight.
-    let turn_of = |p: &Prepared| p.turns[stick.min(p.turns.len() - 1)];
+    let turn_of = |p: &Prepared| p.shape.turns[stick.min(p.shape.turns.len() - 1)];
     let turn = turn_lanes(|lane| turn_of(of(lane)));
     let place = Vector::from_fn(|lane| {
         let p = of(lane);
@@ -144,11 +137,11 @@ fn state_at_rest<'a, L: Lane>(stick: usize, of: &impl Fn(usize) -> &'a Prepared)
         end
     });
     let bend = Vector::from_fn(|lane| {
-        let p = of(lane);
-        if stick == 0 || stick >= p.turns.len() {
+        let turns = &of(lane).shape.turns;
+        if stick == 0 || stick >= turns.len() {
             Vec3::zeros()
         } else {
-            bend_of(p.turns[stick - 1].inverse() * p.turns[stick])
+            bend_of(turns[stick - 1].inverse() * turns[stick])
         }
     });
     State {
@@ -169,15 +162,7 @@ fn turn_lanes<L: Lane>(of: impl Fn(usize) -> UnitQuaternion<f64>) -> Turn<L> {
     Turn { w: L::from_fn(|lane| of(lane).w), v }
 }
 
-fn touchable<'a, L: Lane>(
-    collider: usize,
-    n: usize,
-    strands: &[(usize, &Prepared)],
-    of: &impl Fn(usize) -> &'a Prepared,
-) -> Option<Touchable<L>> {
-    if !strands.iter().any(|s| s.1.reaches(collider)) {
-        return None;
-    }
+fn touchable<'a, L: Lane>(collider: usize, n: usize, of: &impl Fn(usize) -> &'a Prepared) -> Touchable<L> {
     let bearing_n = |p: &Prepared, stick: usize| {
         let borne = p.rest.bearings.iter().find(|b| b.collider == collider && b.stick == stick);
         borne.map_or(0.0, |b| b.force_n)
@@ -187,7 +172,7 @@ fn touchable<'a, L: Lane>(
         borne.map_or(Vec3::zeros(), |b| -b.rub_n / contact_stiffness(&p.lock))
     };
     let limit = |p: &Prepared, stick: usize| {
-        if stick >= p.lock.n_sticks() || !p.reaches(collider) {
+        if stick >= p.lock.n_sticks() || !p.touchable.iter().any(|t| t.collider == collider) {
             return f64::NEG_INFINITY;
         }
         let clearance_m = p.rest.clearances_m[collider * p.lock.n_sticks() + stick];
@@ -196,11 +181,11 @@ fn touchable<'a, L: Lane>(
     let each = |f: &dyn Fn(&Prepared, usize) -> f64| -> Vec<L> {
         (0..n).map(|stick| L::from_fn(|lane| f(of(lane), stick))).collect()
     };
-    Some(Touchable {
+    Touchable {
         collider,
         limits_m: each(&limit),
         pushes: each(&bearing_n),
         slips: (0..n).map(|stick| Vector::from_fn(|lane| slip(of(lane), stick))).collect(),
         near: Vec::with_capacity(n),
-    })
+    }
 }

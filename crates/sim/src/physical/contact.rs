@@ -106,8 +106,8 @@ pub(crate) fn gaps<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L
         SurfaceShape::Capsule { a_m, axis, per_length2, radius_m } => {
             let from_a = place - Vector::same(place.x, *a_m);
             let axis = Vector::same(place.x, *axis);
-            let share =
-                (from_a.dot(axis) * place.x.same(*per_length2)).max(place.x.same(0.0)).min(place.x.same(1.0));
+            let (zero, one) = (place.x.same(0.0), place.x.same(1.0));
+            let share = (from_a.dot(axis) * place.x.same(*per_length2)).max(zero).min(one);
             let away = from_a - axis * share;
             let distance2 = away.norm_squared();
             let per_distance = distance2.max(place.x.same(TINY2)).per_sqrt();
@@ -165,8 +165,9 @@ impl<L: Lane> Touchable<L> {
         let (gap, _) = gaps(surface, place);
         let room = gap - limit_m - margin_m;
         // A NaN counts as near.
-        let is_far = room.all_above(margin_m.same(0.0));
-        (!is_far).then(|| room.above(margin_m.same(0.0), margin_m.same(f64::NEG_INFINITY), limit_m))
+        let (zero, never) = (margin_m.same(0.0), margin_m.same(f64::NEG_INFINITY));
+        let is_far = room.all_above(zero);
+        (!is_far).then(|| room.above(zero, never, limit_m))
     }
 
     /// What the surface does to all that may touch. `at`: place and velocity of a stick's end.
@@ -224,12 +225,12 @@ fn bear<L: Lane>(
     (place, velocity): (Vector<L>, Vector<L>),
     Firmness { stiffness, give, per_h, dt }: Firmness<L>,
 ) -> Bearing<L> {
+    let (zero, fringe) = (limit_m.same(0.0), limit_m.same(FRINGE_M));
     let (gap, normal) = gaps(&moving.surface, place);
-    let depth = (limit_m - gap).max(limit_m.same(0.0));
-    if !depth.any_above(limit_m.same(0.0)) {
+    let depth = (limit_m - gap).max(zero);
+    if !depth.any_above(zero) {
         return Bearing::none(limit_m);
     }
-    let fringe = limit_m.same(FRINGE_M);
     let soft = depth.min(fringe);
     let spring = (soft * soft * limit_m.same(0.5 / FRINGE_M) + (depth - soft)) * stiffness;
     let share = soft * limit_m.same(1.0 / FRINGE_M);
@@ -239,15 +240,12 @@ fn bear<L: Lane>(
     let relative = velocity - ground;
     let leaving = relative.dot(normal);
     let dashpot = stiffness * share * limit_m.same(2.0 / CONTACT_RATE);
-    let push = (spring - dashpot * leaving).max(limit_m.same(0.0));
+    let push = (spring - dashpot * leaving).max(zero);
     // In the fringe the dashpot grows with the depth. What comes is met by it; what leaves is not let go for it.
-    let stiffens = (fringe - depth).above(
-        limit_m.same(0.0),
-        stiffness * limit_m.same(2.0 / CONTACT_RATE / FRINGE_M),
-        limit_m.same(0.0),
-    );
-    let rise = (-leaving).max(limit_m.same(0.0)).mul_add(stiffens, stiffness * share + dashpot * per_h);
-    let rise = push.above(limit_m.same(0.0), rise, limit_m.same(0.0));
+    let stiffens =
+        (fringe - depth).above(zero, stiffness * limit_m.same(2.0 / CONTACT_RATE / FRINGE_M), zero);
+    let rise = (-leaving).max(zero).mul_add(stiffens, stiffness * share + dashpot * per_h);
+    let rise = push.above(zero, rise, zero);
     let mut hessian = Symmetric::none(limit_m);
     let mut slope = -(normal * push);
     if model.friction == 0.0 {
@@ -255,15 +253,16 @@ fn bear<L: Lane>(
         return Bearing { push, slip: Vector::none(limit_m), slope, hessian };
     }
     // The limit goes by the push a step ago, so that friction does not wait for a push that waits for it.
-    let held = depth.above(limit_m.same(0.0), push_before, limit_m.same(0.0));
+    let held = depth.above(zero, push_before, zero);
     let limit = held * limit_m.same(model.friction) * give;
     let along = relative - normal * leaving;
+    let rub_secs = limit_m.same(RUB_SECS);
     let slip = slip_before - normal * slip_before.dot(normal) + along * dt;
-    let pull = slip + along * limit_m.same(RUB_SECS);
+    let pull = slip + along * rub_secs;
     let share = share_within(limit, pull);
     let rub = stiffness * share;
     slope += pull * rub;
-    let rub_rise = rub * (dt + limit_m.same(RUB_SECS)) * per_h;
+    let rub_rise = rub * (dt + rub_secs) * per_h;
     hessian.add_identity(rub_rise);
     hessian.add_outer(normal, rise - rub_rise);
     Bearing { push, slip: slip * share_within(limit, slip), slope, hessian }

@@ -26,9 +26,13 @@ struct Change<L> {
 }
 
 impl<L: Lane> Swing<L> {
-    /// The swing of a batch that hangs still on its head.
-    pub fn at_rest(batch: &Batch<L>, now: &Now<'_>) -> Self {
-        let spin = now.head.as_ref().map_or(Vec3::zeros(), |head| head.angular_velocity);
+    /// That of no sticks.
+    pub fn none() -> Self {
+        Self { turns: Vec::new(), spins: Vec::new() }
+    }
+
+    /// The swing of a batch that hangs still on a head that turns.
+    pub fn at_rest(batch: &Batch<L>, spin: Vec3) -> Self {
         Self {
             turns: batch.states.iter().map(|s| s.turn).collect(),
             spins: vec![Vector::splat(spin); batch.states.len()],
@@ -82,7 +86,7 @@ impl<L: Lane> Batch<L> {
         now: &Now<'_>,
         dt_secs: f64,
     ) {
-        self.count.steps += 1;
+        self.count.steps += self.n_strands as u64;
         let change = self.change(swing, work, model, now, dt_secs);
         let dt = L::splat(dt_secs);
         let head = head_spin(now);
@@ -101,14 +105,14 @@ impl<L: Lane> Batch<L> {
         swing: &mut Swing<L>,
         work: &mut [Work<L>],
         model: &Model,
-        now: [&Now<'_>; 3],
+        now: &[Now<'_>; 3],
         dt_secs: f64,
     ) {
-        self.count.steps += 1;
-        let k1 = self.change(swing, work, model, now[0], 0.0);
-        let k2 = self.change(&swing.moved(&k1, 0.5 * dt_secs), work, model, now[1], 0.0);
-        let k3 = self.change(&swing.moved(&k2, 0.5 * dt_secs), work, model, now[1], 0.0);
-        let k4 = self.change(&swing.moved(&k3, dt_secs), work, model, now[2], 0.0);
+        self.count.steps += self.n_strands as u64;
+        let k1 = self.change(swing, work, model, &now[0], 0.0);
+        let k2 = self.change(&swing.moved(&k1, 0.5 * dt_secs), work, model, &now[1], 0.0);
+        let k3 = self.change(&swing.moved(&k2, 0.5 * dt_secs), work, model, &now[1], 0.0);
+        let k4 = self.change(&swing.moved(&k3, dt_secs), work, model, &now[2], 0.0);
         let sixth = L::splat(dt_secs / 6.0);
         let mean = |f: &dyn Fn(&Change<L>) -> Vector<L>| {
             (f(&k1) + (f(&k2) + f(&k3)) * L::splat(2.0) + f(&k4)) * sixth
@@ -120,7 +124,7 @@ impl<L: Lane> Batch<L> {
             swing.turns[j] = turned(swing.turns[j], by - twist);
             swing.spins[j] += mean(&|k| k.accelerations[j]);
         }
-        self.take(swing, work, model, now[2], dt_secs);
+        self.take(swing, work, model, &now[2], dt_secs);
     }
 
     /// Newton's and Euler's law at a swing. With `implicit_secs` above 0, damping and resistance count as they will be

@@ -110,7 +110,7 @@ impl<L: Lane> Batch<L> {
         carry: Option<&Carry>,
         formula: Formula,
     ) {
-        let n_strands = self.strands.len() as u64;
+        let n_strands = self.n_strands as u64;
         self.count.steps += n_strands;
         if self.at_rest && now.is_still {
             self.count.slept += n_strands;
@@ -135,6 +135,7 @@ impl<L: Lane> Batch<L> {
     /// much smaller the second was in an earlier step. What surfaces do other than was foretold is known, and counts too.
     #[inline(always)]
     fn settle(&mut self, work: &mut [Work<L>], model: &Model, now: &Now<'_>, weights: &Weights<L>) {
+        let (zero, one) = (weights.h.same(0.0), weights.h.same(1.0));
         let square = |tolerance_m: f64| {
             let tolerance_m = f64::max(tolerance_m, model.resolution_m);
             weights.h.same(tolerance_m * tolerance_m)
@@ -142,30 +143,30 @@ impl<L: Lane> Batch<L> {
         let h_secs = weights.h.get(0);
         let (settled2, felt2) = (square(model.settled_m(h_secs)), square(model.felt_m(h_secs)));
         // 1 for a strand that still moves, 0 for one that has settled, whatever its neighbors in the batch do.
-        let mut active = weights.h.same(1.0);
-        let (mut moved2, mut moved2_before) = (weights.h.same(0.0), weights.h.same(0.0));
+        let mut active = one;
+        let (mut moved2, mut moved2_before) = (zero, zero);
         let mut contraction2 = self.contraction2;
-        self.contraction2 = (self.contraction2 * weights.h.same(FORGOTTEN2)).min(weights.h.same(1.0));
+        self.contraction2 = (self.contraction2 * weights.h.same(FORGOTTEN2)).min(one);
         // Within how much of the places contacts have been looked for.
         let mut room_m = weights.h.same(-1.0);
         for updates in 0.. {
-            if weights.h.same(0.0).any_above(room_m) {
+            if zero.any_above(room_m) {
                 room_m = self.look_for_contacts(work, now, updates > 0);
             }
             let off2 = self.feel_contacts(work, model, now, weights);
             if updates > 1 {
-                let measured2 = (moved2 / moved2_before.max(weights.h.same(TINY2)) * weights.h.same(DOUBT2))
-                    .max(weights.h.same(BEST_CONTRACTION2))
-                    .min(weights.h.same(1.0));
-                contraction2 = if share_of_way(updates - 1) < 1.0 { weights.h.same(1.0) } else { measured2 };
+                let ratio2 = moved2 / moved2_before.max(weights.h.same(TINY2));
+                let doubted2 = ratio2 * weights.h.same(DOUBT2);
+                let measured2 = doubted2.max(weights.h.same(BEST_CONTRACTION2)).min(one);
+                contraction2 = if share_of_way(updates - 1) < 1.0 { one } else { measured2 };
                 if updates == 2 {
-                    self.contraction2 = active.above(weights.h.same(0.0), measured2, self.contraction2);
+                    self.contraction2 = active.above(zero, measured2, self.contraction2);
                 }
             }
             if updates > 0 {
                 let expected2 = moved2 * contraction2;
-                active = expected2.above(settled2, active, off2.above(felt2, active, weights.h.same(0.0)));
-                if !active.any_above(weights.h.same(0.0)) {
+                active = expected2.above(settled2, active, off2.above(felt2, active, zero));
+                if !active.any_above(zero) {
                     return;
                 }
             }
@@ -186,7 +187,7 @@ impl<L: Lane> Batch<L> {
     /// How many strands, of those that are read, have a number above 0.
     #[inline(always)]
     fn n_above_zero(&self, numbers: L) -> u64 {
-        (0..self.strands.len()).filter(|lane| numbers.get(*lane) > 0.0).count() as u64
+        (0..self.n_strands).filter(|lane| numbers.get(*lane) > 0.0).count() as u64
     }
 
     /// Takes what friction goes by into the head's axes at the step's end.

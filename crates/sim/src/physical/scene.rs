@@ -8,6 +8,8 @@ use tousle_rod::Surface;
 /// What the world does at one time, head axes.
 #[derive(Clone, Debug)]
 pub(crate) struct Now<'a> {
+    /// The time, s.
+    pub secs: f64,
     /// The field; `None` where no wind blows.
     pub wind: Option<Moment<'a>>,
     /// Gravity, m/s².
@@ -39,7 +41,7 @@ impl<'a> Now<'a> {
         let motion = timeline.head_at(secs);
         let head = timeline.terms.head_movement.then_some(motion);
         let body = timeline.body();
-        let torso = timeline.torso_at(secs);
+        let torso = timeline.torso(&motion);
         let moving = |(surface, collider): (Surface, &tousle_core::Collider)| {
             let (velocity, angular_velocity) = head
                 .as_ref()
@@ -49,6 +51,7 @@ impl<'a> Now<'a> {
         };
         let wind = timeline.wind_secs(secs).map(|secs| sampler.at(secs, reading));
         Self {
+            secs,
             is_still: head.is_none() && wind.as_ref().is_none_or(Moment::is_still),
             wind,
             gravity: motion.world_from_head.rotation.inverse() * timeline.gravity_world(),
@@ -59,16 +62,14 @@ impl<'a> Now<'a> {
 }
 
 impl Carry {
-    /// What a step from one time to another does to what stands still over the ground; `None` if the head never moves.
-    pub fn new(timeline: &Timeline<'_>, before_secs: f64, after_secs: f64) -> Option<Self> {
-        timeline.terms.head_movement.then(|| {
-            let (before, after) = (timeline.head_at(before_secs), timeline.head_at(after_secs));
-            let relative = after.world_from_head.inverse() * before.world_from_head;
-            let dt_secs = after_secs - before_secs;
-            let way =
-                (after.world_from_head.translation.vector - before.world_from_head.translation.vector).norm();
-            let is_cut = way > CUT_SPEED * dt_secs || relative.rotation.angle() > CUT_TURN * dt_secs;
-            Self { turn: relative.rotation, shift: relative.translation.vector, is_cut }
-        })
+    /// What a step from some time to now does to what stands still over the ground; `None` if the head never moves.
+    pub fn new(timeline: &Timeline<'_>, before_secs: f64, now: &Now<'_>) -> Option<Self> {
+        let after = now.head.as_ref()?.world_from_head;
+        let before = timeline.head_at(before_secs).world_from_head;
+        let relative = after.inverse() * before;
+        let dt_secs = now.secs - before_secs;
+        let way = (after.translation.vector - before.translation.vector).norm();
+        let is_cut = way > CUT_SPEED * dt_secs || relative.rotation.angle() > CUT_TURN * dt_secs;
+        Some(Self { turn: relative.rotation, shift: relative.translation.vector, is_cut })
     }
 }

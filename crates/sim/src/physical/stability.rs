@@ -1,25 +1,12 @@
 //! How long a step the explicit integrators stand.
 
-use super::batch::Batch;
-use super::link::Work;
-use crate::lane::Lane;
-
-/// The longest step for a run, and the strand that sets it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Limit {
-    pub dt_secs: f64,
-    pub strand_idx: usize,
-    /// A strand that bending does not keep from cracking like a whip; for such hair the limit is a hope.
-    pub limp_idx: Option<usize>,
-}
-
-impl Limit {
-    /// The limit of two batches.
-    pub fn and(self, other: Self) -> Self {
-        let tighter = if other.dt_secs < self.dt_secs { other } else { self };
-        Self { limp_idx: self.limp_idx.or(other.limp_idx), ..tighter }
-    }
-}
+use super::build::{Prepared, build, contact_stiffness};
+use crate::Integrator;
+use crate::lane::{F64x1, Lane};
+use crate::mechanics::Setting;
+use crate::stability::{Limit, strongest_vector};
+use crate::timeline::Timeline;
+use tousle_rod::DragLaw;
 
 /// The share of the limit that is left to what the power method and the rest shape do not see.
 const SAFETY: f64 = 0.8;
@@ -27,47 +14,53 @@ const SAFETY: f64 = 0.8;
 /// How much stiffer a joint is that is bent by half a turn (`bend_joints`): it may have come that far from rest.
 const HALF_TURN_STIFFENS: f64 = 4.0;
 
-/// The longest step for a batch, s, and the strand that sets it. `pull`: the strongest pull on a unit of mass, m/s².
+/// The highest frequency at which a strand's joints swing about their rest, rad/s.
+pub(super) fn stiffest(prepared: &Prepared, law: &DragLaw) -> f64 {
+    let batch = build::<F64x1>(&[prepared], law);
+    let mut work = Vec::new();
+    batch.make_room(&mut work);
+    batch.stiffest(&mut work).get(0)
+}
+
+/// The longest step for a groom.
+pub(super) fn limit(setting: &Setting<'_>, timeline: &Timeline<'_>, strands: &[Prepared]) -> Option<Limit> {
+    let (law, integrator) = (setting.law(), setting.options.integrator());
+    let head = timeline.strongest_pull();
+    let strongest = strongest_vector(setting.field, timeline.layers());
+    let limits = strands.iter().enumerate().map(|(strand_idx, prepared)| {
+        let lock = &prepared.lock;
+        let per_mass = |(w, d): (&f64, &f64)| law.across(*w, strongest) * strongest / d;
+        let air = lock.widths_m.iter().zip(&lock.linear_densities_kg_per_m).map(per_mass).fold(0.0, f64::max);
+        let pull = head.acceleration + head.per_meter * (lock.root_m.norm() + lock.reach_m()) + air;
+        strand_limit((strand_idx, prepared), integrator == Integrator::Rk4, pull)
+    });
+    limits.reduce(Limit::and).filter(|limit| limit.dt_secs.is_finite())
+}
+
+/// The longest step for a strand, s. `pull`: the strongest pull on a unit of mass, m/s².
 ///
 /// Semi-implicit Euler stands 2 over the highest frequency; what damps is taken at the step's end. The Runge-Kutta
 /// method stands 2.8 over it, and 2.7 over the rate of damping, which is the square of the frequency times the damping's
 /// time.
-pub(crate) fn limit<L: Lane>(
-    batch: &Batch<L>,
-    work: &mut [Work<L>],
-    damping_is_explicit: bool,
-    pull: f64,
-) -> Limit {
-    let stiffest = batch.stiffest(work);
-    let mut limit = Limit { dt_secs: f64::INFINITY, strand_idx: batch.strands[0], limp_idx: None };
-    for (lane, strand_idx) in batch.strands.iter().enumerate() {
-        let shortest = batch.links.iter().map(|l| l.length.get(lane)).fold(f64::INFINITY, f64::min);
-        let lightest =
-            batch.links.iter().map(|l| l.mass.get(lane)).filter(|m| *m > 0.0).fold(f64::INFINITY, f64::min);
-        let bending2 = HALF_TURN_STIFFENS * stiffest.get(lane) * stiffest.get(lane);
-        // A stick under a pull is a pendulum. Folded hair that falls through its whole length cracks like a whip: its
-        // shortest stick then swings round with the speed of that fall.
-        let reach: f64 = batch.links.iter().map(|l| l.length.get(lane)).sum();
-        let whip = pull * (1.0 + 2.0 * reach / shortest);
-        let swing = whip / shortest * batch.links.len() as f64;
-        // A contact is a spring made for the mean point.
-        let touch =
-            if batch.touchable.is_empty() { 0.0 } else { batch.contact_stiffness.get(lane) / lightest };
-        let frequency = (bending2 + swing + touch).sqrt();
-        let dt_secs = if damping_is_explicit {
-            let damping = batch.links.iter().map(|l| l.damping_secs.get(lane)).fold(0.0, f64::max);
-            let rate = damping * bending2 + 2.0 * touch.sqrt();
-            f64::min(2.8 / frequency, 2.7 / rate)
-        } else {
-            2.0 / frequency
-        };
-        if SAFETY * dt_secs < limit.dt_secs {
-            limit.dt_secs = SAFETY * dt_secs;
-            limit.strand_idx = *strand_idx;
-        }
-        if bending2 < swing {
-            limit.limp_idx = limit.limp_idx.or(Some(*strand_idx));
-        }
-    }
-    limit
+fn strand_limit((strand_idx, prepared): (usize, &Prepared), damping_is_explicit: bool, pull: f64) -> Limit {
+    let (lock, stiffest) = (&prepared.lock, prepared.shape.stiffest);
+    let shortest = lock.lengths_m.iter().copied().fold(f64::INFINITY, f64::min);
+    let lightest = lock.masses_kg.iter().copied().filter(|m| *m > 0.0).fold(f64::INFINITY, f64::min);
+    let bending2 = HALF_TURN_STIFFENS * stiffest * stiffest;
+    // A stick under a pull is a pendulum. Folded hair that falls through its whole length cracks like a whip: its
+    // shortest stick then swings round with the speed of that fall.
+    let reach: f64 = lock.lengths_m.iter().sum();
+    let whip = pull * (1.0 + 2.0 * reach / shortest);
+    let swing = whip / shortest * lock.n_sticks() as f64;
+    // A contact is a spring made for the mean point.
+    let touch = if prepared.touchable.is_empty() { 0.0 } else { contact_stiffness(lock) / lightest };
+    let frequency = (bending2 + swing + touch).sqrt();
+    let dt_secs = if damping_is_explicit {
+        let rate = lock.damping_secs * bending2 + 2.0 * touch.sqrt();
+        f64::min(2.8 / frequency, 2.7 / rate)
+    } else {
+        2.0 / frequency
+    };
+    let limp_idx = (bending2 < swing).then_some(strand_idx);
+    Limit { dt_secs: SAFETY * dt_secs, strand_idx, point: None, limp_idx }
 }

@@ -1,0 +1,96 @@
+//! What a method must say of itself so that it can be run.
+
+use crate::lane::{Lane, Registers, Vector};
+use crate::parts::Count;
+use crate::prepared::Prepared;
+use crate::stability::Limit;
+use crate::timeline::Timeline;
+use crate::{Precision, SimOptions};
+use core::fmt::Debug;
+use tousle_core::{Assumption, Groom, Vec3};
+use tousle_field::{FieldSequence, Reading, Sampler, Scene};
+use tousle_rod::DragLaw;
+
+/// What is simulated, and how.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Setting<'a> {
+    pub field: &'a FieldSequence,
+    pub scene: &'a Scene,
+    pub groom: &'a Groom,
+    pub options: &'a SimOptions,
+}
+
+impl Setting<'_> {
+    /// The drag law of the scene's air.
+    pub fn law(&self) -> DragLaw {
+        DragLaw::in_air(self.scene.air_density)
+    }
+}
+
+/// The mechanics of a [`Method`](crate::Method). A value is what all strands of one run share.
+pub(crate) trait Mechanics: Copy + Debug + Send + Sync + 'static {
+    /// What it makes of a strand's rest before the first step.
+    type Shape: Debug + Send + Sync;
+    /// Strands side by side, somewhere on their way. Where one has fewer sticks than the longest, sticks without mass
+    /// follow its tip; where there are fewer strands than lanes, the last one runs again and is not read.
+    type Batch<L: Lane>: Clone + Debug + Send + Sync;
+    /// What a step writes and reads again for each stick.
+    type Work<L: Lane>;
+    /// What the world does in a step.
+    type World<'a>: Sync;
+
+    /// Registers and digits that an integrator is stepped with.
+    fn lanes(options: &SimOptions) -> (Registers, Precision) {
+        (Registers::widest(), options.precision)
+    }
+
+    /// Says whether a point of head space, m, is where no air can be.
+    fn is_solid(scene: &Scene) -> impl Fn(Vec3) -> bool;
+
+    /// All strands of the groom as they hang at rest.
+    fn prepare(setting: &Setting<'_>, timeline: &Timeline<'_>) -> Vec<Prepared<Self::Shape>>;
+
+    /// The longest step of an integrator that has one, under the timeline's layers; `None` if it stands any.
+    fn limit(
+        setting: &Setting<'_>,
+        timeline: &Timeline<'_>,
+        strands: &[Prepared<Self::Shape>],
+    ) -> Option<Limit>;
+
+    /// The mechanics of a run.
+    fn new(setting: &Setting<'_>, timeline: &Timeline<'_>) -> Self;
+
+    /// Up to as many strands as there are lanes, before their first step.
+    fn batch<L: Lane>(&self, strands: &[&Prepared<Self::Shape>]) -> Self::Batch<L>;
+
+    /// What the world does in a step, from 0.
+    fn world<'a>(
+        &self,
+        timeline: &'a Timeline<'a>,
+        sampler: &'a Sampler<'a>,
+        reading: Reading,
+        step: usize,
+    ) -> Self::World<'a>;
+
+    /// Takes a step. `work` is room for it.
+    fn step<L: Lane>(
+        &self,
+        batch: &mut Self::Batch<L>,
+        work: &mut Vec<Self::Work<L>>,
+        world: &Self::World<'_>,
+    );
+
+    /// The far end of every stick, from the root, head space, m.
+    fn ends_m<L: Lane>(batch: &Self::Batch<L>) -> impl Iterator<Item = Vector<L>>;
+
+    /// What the steps of a batch took.
+    fn count<L: Lane>(batch: &Self::Batch<L>) -> Count;
+
+    /// What all steps of a run took, from the sum of what its batches counted and the timeline's number of steps.
+    fn total(count: Count, n_steps: usize) -> Count;
+
+    /// What was assumed so that the strands hang as they do.
+    fn assumed(_strands: &[Prepared<Self::Shape>]) -> Option<Assumption> {
+        None
+    }
+}

@@ -1,0 +1,225 @@
+//! The method `physical` as a run asks for it.
+
+use super::adaptive::Pace;
+use super::batch::{Batch, Model};
+use super::build::{Prepared, Shape, build, contact_stiffness};
+use super::explicit::Swing;
+use super::implicit::Formula;
+use super::link::Work;
+use super::scene::{Carry, Now};
+use super::stability;
+use crate::lane::{Lane, Registers, Vector};
+use crate::mechanics::{Mechanics, Setting};
+use crate::parts::Count;
+use crate::stability::Limit;
+use crate::timeline::Timeline;
+use crate::touchable::touchable;
+use crate::{Integrator, Precision, SimOptions};
+use rayon::prelude::*;
+use tousle_core::{Assumption, Attachment, Pose, Quantity, Strand, Vec3};
+use tousle_field::{Reading, Sampler, Scene};
+use tousle_rod::{DragLaw, Likely, Lock, Support, Surface, Touch, hold_rest, rest_state};
+
+/// What all strands of a run share, and how they are stepped.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Physical {
+    model: Model,
+    integrator: Integrator,
+    formula: Formula,
+    /// [`Integrator::Adaptive`]: the most that a step may be off, m.
+    tolerance_m: f64,
+    law: DragLaw,
+    /// Whether the hair hangs at the start as it does at rest. A head that is held otherwise sets it going.
+    hangs_still: bool,
+    /// Angular velocity of the head at the start, rad/s.
+    spin: Vec3,
+}
+
+/// What the world does in a step.
+pub(crate) enum World<'a> {
+    /// At its end, and on the way there.
+    Implicit { now: Now<'a>, carry: Option<Carry> },
+    /// At its start.
+    SemiImplicit(Now<'a>),
+    /// At its start, middle and end.
+    Rk4(Box<[Now<'a>; 3]>),
+    /// At all times; and from when to when the frame is that the step completes, if it does: strands that choose their
+    /// own steps go through all of it then.
+    Adaptive(&'a Timeline<'a>, &'a Sampler<'a>, Option<(f64, f64)>),
+}
+
+/// Strands, and what their integrator knows of them beside their states.
+#[derive(Clone, Debug)]
+pub(crate) struct Moving<L> {
+    strands: Batch<L>,
+    /// Of the explicit integrators only.
+    swing: Swing<L>,
+    /// Of the adaptive one only.
+    pace: Pace,
+}
+
+impl Mechanics for Physical {
+    type Shape = Shape;
+    type Batch<L: Lane> = Moving<L>;
+    type Work<L: Lane> = Work<L>;
+    type World<'a> = World<'a>;
+
+    /// At its own pace a strand can only be stepped alone; and explicit integrators do not stand the sticks without mass
+    /// that follow a shorter strand's tip.
+    fn lanes(options: &SimOptions) -> (Registers, Precision) {
+        match options.integrator() {
+            Integrator::Implicit | Integrator::ImplicitEuler => (Registers::widest(), options.precision),
+            _ => (Registers::Scalar, Precision::Double),
+        }
+    }
+
+    /// In the head's own shapes.
+    fn is_solid(scene: &Scene) -> impl Fn(Vec3) -> bool {
+        let of_head = scene.body.colliders.iter().filter(|c| c.attachment == Attachment::Head);
+        let solids: Vec<Surface> = of_head.map(|c| Surface::new(&c.shape)).collect();
+        move |point_m| solids.iter().any(|s| s.gap(point_m).distance_m < 0.0)
+    }
+
+    fn prepare(setting: &Setting<'_>, timeline: &Timeline<'_>) -> Vec<Prepared> {
+        let Setting { scene, groom, options, .. } = setting;
+        let (gravity, law) = (timeline.gravity_at_rest(), setting.law());
+        let locks: Vec<Lock> = groom.strands.iter().map(Lock::new).collect();
+        let touch = Touch::by_rest(&locks, &scene.body);
+        let surfaces = Surface::of_body(&scene.body, &Pose::identity());
+        let prepare = |(mut lock, strand): (Lock, &Strand)| {
+            let likely = Likely::hair(&lock, &scene.body);
+            let likely = Likely { touch: touch.unwrap_or(likely.touch), ..likely };
+            let rest = rest_state(&lock, gravity, &scene.body, &likely);
+            let stiffened = if strand.holds_style {
+                let support = Support { surfaces: &surfaces, stiffness: contact_stiffness(&lock) };
+                hold_rest(&mut lock, &rest, gravity, &support)
+            } else {
+                1.0
+            };
+            let touchable = touchable(scene, timeline, &surfaces, &lock, &rest);
+            let shape = Shape::new(&lock, &rest, stiffened);
+            let mut prepared = Prepared { lock, rest, touchable, shape };
+            if options.integrator().is_limited() {
+                prepared.shape.stiffest = stability::stiffest(&prepared, &law);
+            }
+            prepared
+        };
+        locks.into_par_iter().zip(&groom.strands).map(prepare).collect()
+    }
+
+    fn limit(setting: &Setting<'_>, timeline: &Timeline<'_>, strands: &[Prepared]) -> Option<Limit> {
+        stability::limit(setting, timeline, strands)
+    }
+
+    fn new(setting: &Setting<'_>, timeline: &Timeline<'_>) -> Self {
+        let Setting { scene, options, .. } = setting;
+        let (terms, law, dt_secs) = (timeline.terms, setting.law(), timeline.dt_secs());
+        let is_force = terms.quantity == Quantity::ForcePerMass;
+        let model = Model {
+            along: core::f64::consts::PI * DragLaw::ALONG,
+            air: terms.air,
+            pushes: terms.wind && is_force && !terms.air,
+            force_law: (is_force && terms.air).then_some(law),
+            friction: scene.body.friction,
+            resolution_m: if options.precision == Precision::Single { 5e-7 } else { 0.0 },
+        };
+        let integrator = options.integrator();
+        let formula = match integrator {
+            Integrator::ImplicitEuler => Formula::euler(dt_secs),
+            _ => Formula::bdf2(dt_secs, dt_secs),
+        };
+        let spin = timeline.head_at(timeline.step_secs(0)).angular_velocity;
+        Self {
+            model,
+            integrator,
+            formula,
+            tolerance_m: options.tolerance_m,
+            law,
+            hangs_still: timeline.tilt_at_start() == 0.0,
+            spin: if terms.head_movement { spin } else { Vec3::zeros() },
+        }
+    }
+
+    fn batch<L: Lane>(&self, strands: &[&Prepared]) -> Moving<L> {
+        let strands = Batch { at_rest: self.hangs_still, ..build(strands, &self.law) };
+        let swing = match self.integrator {
+            Integrator::SemiImplicit | Integrator::Rk4 => Swing::at_rest(&strands, self.spin),
+            _ => Swing::none(),
+        };
+        Moving { strands, swing, pace: Pace::new() }
+    }
+
+    fn world<'a>(
+        &self,
+        timeline: &'a Timeline<'a>,
+        sampler: &'a Sampler<'a>,
+        reading: Reading,
+        step: usize,
+    ) -> World<'a> {
+        let begin = timeline.step_secs(step);
+        let at = |secs: f64| Now::new(timeline, sampler, secs, reading);
+        match self.integrator {
+            Integrator::Adaptive => {
+                let (frame, steps) = (step / timeline.steps_per_frame, step + 1);
+                let span = || (timeline.frame_secs(frame), timeline.frame_secs(frame + 1));
+                World::Adaptive(timeline, sampler, steps.is_multiple_of(timeline.steps_per_frame).then(span))
+            }
+            Integrator::SemiImplicit => World::SemiImplicit(at(begin)),
+            Integrator::Rk4 => {
+                World::Rk4(Box::new([0.0, 0.5, 1.0].map(|share| at(begin + share * self.formula.dt_secs))))
+            }
+            _ => {
+                let now = at(timeline.step_secs(step + 1));
+                World::Implicit { carry: Carry::new(timeline, begin, &now), now }
+            }
+        }
+    }
+
+    fn step<L: Lane>(&self, moving: &mut Moving<L>, work: &mut Vec<Work<L>>, world: &World<'_>) {
+        let Self { model, formula, .. } = self;
+        let Moving { strands, swing, pace } = moving;
+        strands.make_room(work);
+        match world {
+            World::Implicit { now, carry } => {
+                strands.step_implicit(work, model, now, carry.as_ref(), *formula);
+            }
+            World::SemiImplicit(now) => {
+                strands.step_semi_implicit(swing, work, model, now, formula.dt_secs);
+            }
+            World::Rk4(now) => strands.step_rk4(swing, work, model, now, formula.dt_secs),
+            World::Adaptive(_, _, None) => (),
+            World::Adaptive(timeline, sampler, Some(span)) => {
+                strands.advance(pace, work, model, (timeline, sampler), *span, self.tolerance_m);
+            }
+        }
+    }
+
+    fn ends_m<L: Lane>(moving: &Moving<L>) -> impl Iterator<Item = Vector<L>> {
+        moving.strands.states.iter().map(|state| state.place)
+    }
+
+    fn count<L: Lane>(moving: &Moving<L>) -> Count {
+        moving.strands.count
+    }
+
+    fn total(count: Count, _: usize) -> Count {
+        count
+    }
+
+    /// That styles stay up.
+    fn assumed(strands: &[Prepared]) -> Option<Assumption> {
+        let times = strands.iter().map(|p| p.shape.stiffened);
+        let mut stiffened: Vec<f64> = times.filter(|times| *times > 1.0).collect();
+        stiffened.sort_by(f64::total_cmp);
+        let (n, most) = (stiffened.len(), *stiffened.last()?);
+        Some(Assumption {
+            what: format!("bending stiffness of {n} of {} strands, where they lean out", strands.len()),
+            value: format!(
+                "up to {:.0} times that of their hairs in the median strand, {most:.0} in any",
+                stiffened[n / 2]
+            ),
+            why: "their style would fall by itself: in life it rests on neighbors, which are not felt here"
+                .to_owned(),
+        })
+    }
+}

@@ -1,0 +1,326 @@
+//! What is prepared before the first step, and what is said after the last.
+
+use crate::assumptions::assumptions;
+use crate::frames::{Frames, max_stretch, single};
+use crate::lane::{Lane, Registers, WithLanes};
+use crate::mechanics::{Mechanics, Setting};
+use crate::parts::{Count, Part, run_parts};
+use crate::plan::plan;
+use crate::prepared::{Prepared, order};
+use crate::run::{Lanes, Run};
+use crate::stability;
+use crate::timeline::{Runs, Timeline};
+use crate::touchable::{n_reaching, within_reach};
+use crate::{Keeper, Precision, SimError, SimOptions, SimReport, Simulation};
+use core::any::Any;
+use core::fmt::Debug;
+use core::marker::PhantomData;
+use rayon::prelude::*;
+use std::sync::Arc;
+use tousle_core::{NoProgress, Progress, StrandMotion};
+use tousle_field::{FieldLayer, Sampler};
+
+/// A run that is prepared, whatever its mechanics and however many strands are side by side.
+pub(crate) trait Resident: Debug + Send + Sync {
+    /// Time of every frame, s.
+    fn times_secs(&self) -> Vec<f64>;
+
+    /// All strands from the first frame to the last.
+    fn run(
+        &self,
+        layers: &[FieldLayer],
+        keeper: Option<&dyn Keeper>,
+        progress: &dyn Progress,
+        runs: Runs,
+    ) -> Result<Simulation, SimError>;
+
+    /// Some strands, in ascending order, from the first frame to the last.
+    fn run_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<Vec<[f32; 3]>, SimError>;
+
+    /// Some strands, in ascending order, stopped at a frame.
+    fn hold(&self, layers: &[FieldLayer], strands: &[usize], frame: usize) -> Result<Held, SimError>;
+
+    /// Held strands from their frame to another one, both included.
+    ///
+    /// # Panics
+    /// If they are those of other mechanics.
+    fn go_on(
+        &self,
+        held: &Held,
+        layers: &[FieldLayer],
+        strands: &[usize],
+        frames: (usize, usize),
+    ) -> Result<Vec<[f32; 3]>, SimError>;
+
+    /// One held strand under each of some variants' layers beside the common ones, as by [`Resident::go_on`].
+    fn variants(
+        &self,
+        held: &Held,
+        layers: &[FieldLayer],
+        variants: &[&[FieldLayer]],
+        strand: usize,
+        frames: (usize, usize),
+    ) -> Result<Vec<Vec<[f32; 3]>>, SimError>;
+}
+
+/// The [`Stopped`] strands of some mechanics.
+pub(crate) type Held = Arc<dyn Any + Send + Sync>;
+
+/// Strands that were stopped at a frame.
+struct Stopped<M: Mechanics, L: Lane> {
+    frame: usize,
+    batches: Vec<Lanes<M, L>>,
+}
+
+/// All that layers on the field do not change.
+#[derive(Debug)]
+pub(crate) struct Ready<'a, M: Mechanics> {
+    setting: Setting<'a>,
+    timeline: Timeline<'a>,
+    sampler: Sampler<'a>,
+    strands: Vec<Prepared<M::Shape>>,
+}
+
+/// The same, to be run with lanes that fit some registers.
+#[derive(Debug)]
+struct InLanes<'a, M: Mechanics, L> {
+    ready: Ready<'a, M>,
+    lanes: PhantomData<L>,
+}
+
+impl<'a, M: Mechanics> WithLanes for Ready<'a, M> {
+    type Output = Box<dyn Resident + 'a>;
+
+    fn with<L: Lane>(self) -> Self::Output {
+        Box::new(InLanes::<M, L> { ready: self, lanes: PhantomData })
+    }
+}
+
+impl<'a, M: Mechanics> Ready<'a, M> {
+    /// A run that is prepared for the registers of this machine.
+    pub fn resident(setting: Setting<'a>) -> Result<Box<dyn Resident + 'a>, SimError> {
+        let (registers, precision) = M::lanes(setting.options);
+        Self::resident_in(setting, registers, precision)
+    }
+
+    /// A run that is prepared for some registers.
+    pub fn resident_in(
+        setting: Setting<'a>,
+        registers: Registers,
+        precision: Precision,
+    ) -> Result<Box<dyn Resident + 'a>, SimError> {
+        Ok(registers.with_lanes(precision, Self::new(setting)?))
+    }
+
+    fn new(setting: Setting<'a>) -> Result<Self, SimError> {
+        let Setting { field, scene, groom, options } = setting;
+        let mut timeline = Timeline::new(field, scene, options, groom.n_points())?;
+        timeline.cut(options.dt_secs.unwrap_or(SimOptions::DEFAULT_DT_SECS))?;
+        let strands = M::prepare(&setting, &timeline);
+        let sampler = within_reach(Sampler::new(field, M::is_solid(scene)), strands.iter().map(|p| &p.lock));
+        Ok(Self { setting, timeline, sampler, strands })
+    }
+
+    /// The run under some layers.
+    fn under<'b>(&self, layers: &'b [FieldLayer], runs: Runs) -> Result<Run<'b, M>, SimError>
+    where
+        'a: 'b,
+    {
+        let Setting { groom, options, .. } = self.setting;
+        let mut timeline: Timeline<'b> = self.timeline.with_layers(layers);
+        let is_limited = options.integrator().is_limited();
+        let limit = if is_limited { M::limit(&self.setting, &timeline, &self.strands) } else { None };
+        if let Some(limit) = &limit {
+            limit.cut(&mut timeline, groom, options)?;
+        }
+        let mechanics = M::new(&self.setting, &timeline);
+        let reading = timeline.reading(groom.n_points(), runs);
+        Ok(Run { timeline, sampler: self.sampler.with_layers(layers), reading, mechanics, limit })
+    }
+
+    fn report(&self, run: &Run<'_, M>, motion: &StrandMotion, count: Count) -> SimReport {
+        let Setting { scene, groom, options, .. } = self.setting;
+        let Run { timeline, limit, .. } = run;
+        let integrator = options.integrator();
+        let mut assumed = assumptions(groom, timeline, self.strands.iter().map(Prepared::deepest_m));
+        assumed.extend(M::assumed(&self.strands));
+        assumed.extend(limit.as_ref().and_then(|limit| limit.hope(integrator, groom, timeline.dt_secs())));
+        let n_reaching = n_reaching(scene, &self.strands);
+        let count = M::total(count, timeline.n_steps());
+        SimReport {
+            integrator,
+            order: integrator.order(),
+            limit: stability::in_words(limit.as_ref(), groom),
+            dt_secs: timeline.dt_secs(),
+            n_steps: count.steps,
+            iterations_per_step: count.iterations as f64 / (count.steps - count.slept).max(1) as f64,
+            slept_share: count.slept as f64 / count.steps.max(1) as f64,
+            unsettled_steps: count.unsettled,
+            unsettled_m: count.unsettled_m,
+            plan: plan(&run.sampler, scene, timeline, &n_reaching),
+            max_stretch: max_stretch(motion),
+            assumed,
+        }
+    }
+
+    /// Refuses a motion of which a point is nowhere.
+    fn check_whole(&self, motion: &StrandMotion, dt_secs: f64) -> Result<(), SimError> {
+        let Setting { groom, options, .. } = self.setting;
+        let is_nowhere = |point: &[f32; 3]| point.iter().any(|c| !c.is_finite());
+        let Some(at) = motion.positions_m.iter().position(is_nowhere) else { return Ok(()) };
+        let (frame, mut point) = (at / motion.n_points(), at % motion.n_points());
+        let mut strand_idx = 0;
+        while point >= motion.counts[strand_idx] {
+            point -= motion.counts[strand_idx];
+            strand_idx += 1;
+        }
+        Err(SimError::BlewUp {
+            integrator: options.integrator().name(),
+            strand: groom.strands[strand_idx].name.clone(),
+            secs: motion.times_secs[frame],
+            dt_secs,
+        })
+    }
+}
+
+impl<M: Mechanics, L: Lane> InLanes<'_, M, L> {
+    fn at_rest(&self, run: &Run<'_, M>, strands: &[usize]) -> Vec<Lanes<M, L>> {
+        let prepared = &self.ready.strands;
+        let lanes = |some: &[usize]| Lanes::at_rest(&run.mechanics, prepared, some);
+        order(prepared, strands).chunks(L::N).map(lanes).collect()
+    }
+
+    /// Some strands from the first frame to the last.
+    fn move_strands(&self, run: &Run<'_, M>, strands: &[usize], progress: &dyn Progress) -> Part {
+        let last = run.timeline.n_frames - 1;
+        let mut frames = Frames::new(self.ready.setting.groom, strands, last + 1);
+        let mut batches = self.at_rest(run, strands);
+        run.advance(&mut batches, (0, last), progress, |frame, strands, points| {
+            frames.put(frame, strands, points);
+        });
+        let count = batches.iter().fold(Count::default(), |sum, lanes| sum.and(M::count(&lanes.batch)));
+        Part { positions_m: frames.positions_m, count }
+    }
+}
+
+impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
+    fn times_secs(&self) -> Vec<f64> {
+        let timeline = &self.ready.timeline;
+        (0..timeline.n_frames).map(|frame| timeline.frame_secs(frame)).collect()
+    }
+
+    fn run(
+        &self,
+        layers: &[FieldLayer],
+        keeper: Option<&dyn Keeper>,
+        progress: &dyn Progress,
+        runs: Runs,
+    ) -> Result<Simulation, SimError> {
+        let (ready, groom) = (&self.ready, self.ready.setting.groom);
+        let run = ready.under(layers, runs)?;
+        let all: Vec<usize> = (0..ready.strands.len()).collect();
+        let spans = (run.timeline.n_frames, run.timeline.n_steps());
+        let order = order(&ready.strands, &all);
+        let moved = run_parts(groom, &order, spans, keeper, progress, |strands, progress| {
+            self.move_strands(&run, strands, progress)
+        })?;
+        let (counts, times_secs) = (groom.counts(), self.times_secs());
+        let motion = StrandMotion { counts, times_secs, positions_m: moved.positions_m };
+        if run.limit.is_some() {
+            ready.check_whole(&motion, run.timeline.dt_secs())?;
+        }
+        let report = ready.report(&run, &motion, moved.count);
+        Ok(Simulation { motion, report })
+    }
+
+    fn run_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<Vec<[f32; 3]>, SimError> {
+        let run = self.ready.under(layers, Runs::Again)?;
+        Ok(self.move_strands(&run, strands, &NoProgress).positions_m)
+    }
+
+    fn hold(&self, layers: &[FieldLayer], strands: &[usize], frame: usize) -> Result<Held, SimError> {
+        let run = self.ready.under(layers, Runs::Again)?;
+        // An explicit integrator's steps are as long as all layers allow: it begins anew under others.
+        let frame = if self.ready.setting.options.integrator().is_limited() { 0 } else { frame };
+        let mut batches = self.at_rest(&run, strands);
+        run.advance(&mut batches, (0, frame), &NoProgress, |_, _, _| ());
+        Ok(Arc::new(Stopped { frame, batches }))
+    }
+
+    fn go_on(
+        &self,
+        held: &Held,
+        layers: &[FieldLayer],
+        strands: &[usize],
+        (first, last): (usize, usize),
+    ) -> Result<Vec<[f32; 3]>, SimError> {
+        let stopped = Stopped::<M, L>::of(held);
+        let run = self.ready.under(layers, Runs::Again)?;
+        let mut frames = Frames::new(self.ready.setting.groom, strands, last - first + 1);
+        stopped.go_on(&run, stopped.batches.clone(), (first, last), |frame, strands, points| {
+            frames.put(frame, strands, points);
+        });
+        Ok(frames.positions_m)
+    }
+
+    fn variants(
+        &self,
+        held: &Held,
+        layers: &[FieldLayer],
+        variants: &[&[FieldLayer]],
+        strand: usize,
+        frames: (usize, usize),
+    ) -> Result<Vec<Vec<[f32; 3]>>, SimError> {
+        let stopped = Stopped::<M, L>::of(held);
+        let Setting { groom, options, .. } = self.ready.setting;
+        let root = single(groom.strands[strand].rest_curve_m[0]);
+        // An explicit integrator's steps are as long as each variant allows.
+        let n_at_once = if options.integrator().is_limited() { 1 } else { L::N };
+        let some: Vec<_> = variants
+            .par_chunks(n_at_once)
+            .map(|variants| {
+                let all = [&[layers], variants].concat().concat();
+                // One a lane: where there are fewer variants, the last one runs again and is not read.
+                let each: Vec<_> = (0..n_at_once).map(|k| variants[k.min(variants.len() - 1)]).collect();
+                let sampler = self.ready.sampler.with_variants(layers, &each);
+                let run = Run { sampler, ..self.ready.under(&all, Runs::Again)? };
+                let lanes = stopped.batches[0].variants(variants.len());
+                let mut moved = vec![Vec::new(); variants.len()];
+                stopped.go_on(&run, vec![lanes], frames, |_, _, points| {
+                    for (moved, points) in
+                        moved.iter_mut().zip(points.chunks_exact(points.len() / variants.len()))
+                    {
+                        moved.push(root);
+                        moved.extend_from_slice(points);
+                    }
+                });
+                Ok(moved)
+            })
+            .collect::<Result<_, SimError>>()?;
+        Ok(some.concat())
+    }
+}
+
+impl<M: Mechanics, L: Lane> Stopped<M, L> {
+    fn of(held: &Held) -> &Self {
+        held.downcast_ref().expect("strands held by a simulator of this method")
+    }
+
+    /// Batches of what was stopped, on to the last of some frames. `put` gets these, counted from the first.
+    fn go_on(
+        &self,
+        run: &Run<'_, M>,
+        mut batches: Vec<Lanes<M, L>>,
+        (first, last): (usize, usize),
+        mut put: impl FnMut(usize, &[usize], &[[f32; 3]]),
+    ) {
+        if self.frame == first {
+            batches.iter().for_each(|lanes| put(0, lanes.strands(), &lanes.points()));
+        }
+        run.advance(&mut batches, (self.frame, last), &NoProgress, |frame, strands, points| {
+            if frame >= first {
+                put(frame - first, strands, points);
+            }
+        });
+    }
+}

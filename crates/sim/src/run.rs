@@ -1,0 +1,128 @@
+//! The loop over steps and batches.
+
+use crate::frames::put_ends;
+use crate::lane::Lane;
+use crate::mechanics::Mechanics;
+use crate::prepared::Prepared;
+use crate::stability::Limit;
+use crate::timeline::Timeline;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+use tousle_core::Progress;
+use tousle_field::{Reading, Sampler};
+
+/// A run under some layers: what the world does, and by which mechanics strands move in it.
+pub(crate) struct Run<'a, M> {
+    pub timeline: Timeline<'a>,
+    pub sampler: Sampler<'a>,
+    pub reading: Reading,
+    pub mechanics: M,
+    /// The longest step of an explicit integrator.
+    pub limit: Option<Limit>,
+}
+
+/// Strands side by side, one a lane.
+#[derive(Clone, Debug)]
+pub(crate) struct Lanes<M: Mechanics, L: Lane> {
+    /// Index of the strand in each lane that is read, and how many sticks it has.
+    strands: Vec<usize>,
+    n_sticks: Vec<usize>,
+    pub batch: M::Batch<L>,
+}
+
+/// Steps that a batch runs before the next one's turn: enough to spread the cost of preparing what the world does. Few
+/// batches stay in the nearest memory with all they need; with many, it is the laid-together fields that must stay there.
+const BLOCK_OF_FEW: usize = 32;
+const BLOCK_OF_MANY: usize = 3;
+
+impl<M: Mechanics> Run<'_, M> {
+    /// Moves batches from a frame to another, a block of steps at a time. `put` gets each frame, the strands of each
+    /// batch, and their points without the roots.
+    pub fn advance<L: Lane>(
+        &self,
+        batches: &mut [Lanes<M, L>],
+        (first, last): (usize, usize),
+        progress: &dyn Progress,
+        mut put: impl FnMut(usize, &[usize], &[[f32; 3]]),
+    ) {
+        let per_frame = self.timeline.steps_per_frame;
+        let block = if self.reading == Reading::Together { BLOCK_OF_MANY } else { BLOCK_OF_FEW };
+        let (start, end) = (first * per_frame, last * per_frame);
+        let n_strands: usize = batches.iter().map(|lanes| lanes.strands.len()).sum();
+        let (done, total) = (AtomicU64::new(0), (n_strands * (end - start)) as u64);
+        for begin in (start..end).step_by(block) {
+            let steps = begin..(begin + block).min(end);
+            let world = |step| self.mechanics.world(&self.timeline, &self.sampler, self.reading, step);
+            let worlds: Vec<M::World<'_>> = steps.clone().map(world).collect();
+            let moved: Vec<Vec<[f32; 3]>> = batches
+                .par_iter_mut()
+                .map_init(Vec::new, |work, lanes| {
+                    let points = self.take_steps(lanes, work, begin, &worlds);
+                    let n = (lanes.strands.len() * steps.len()) as u64;
+                    progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
+                    points
+                })
+                .collect();
+            for (lanes, points) in batches.iter().zip(moved) {
+                for (k, points) in points.chunks_exact(lanes.n_points()).enumerate() {
+                    put(begin / per_frame + 1 + k, &lanes.strands, points);
+                }
+            }
+        }
+    }
+
+    /// A batch through a block of steps. Out: its points, roots left out, in every frame that these complete.
+    fn take_steps<L: Lane>(
+        &self,
+        lanes: &mut Lanes<M, L>,
+        work: &mut Vec<M::Work<L>>,
+        begin: usize,
+        worlds: &[M::World<'_>],
+    ) -> Vec<[f32; 3]> {
+        let per_frame = self.timeline.steps_per_frame;
+        let mut points = Vec::with_capacity((worlds.len() / per_frame + 1) * lanes.n_points());
+        for (k, world) in worlds.iter().enumerate() {
+            self.mechanics.step(&mut lanes.batch, work, world);
+            if (begin + k + 1).is_multiple_of(per_frame) {
+                lanes.put_points(&mut points);
+            }
+        }
+        points
+    }
+}
+
+impl<M: Mechanics, L: Lane> Lanes<M, L> {
+    /// Up to as many strands as there are lanes, before their first step.
+    pub fn at_rest(mechanics: &M, prepared: &[Prepared<M::Shape>], strands: &[usize]) -> Self {
+        let prepared: Vec<_> = strands.iter().map(|s| &prepared[*s]).collect();
+        let n_sticks = prepared.iter().map(|p| p.lock.n_sticks()).collect();
+        Self { strands: strands.to_vec(), n_sticks, batch: mechanics.batch(&prepared) }
+    }
+
+    /// The first strand, which is in all lanes, to be read so many times.
+    pub fn variants(&self, n: usize) -> Self {
+        let (strand, n_sticks) = (self.strands[0], self.n_sticks[0]);
+        Self { strands: vec![strand; n], n_sticks: vec![n_sticks; n], batch: self.batch.clone() }
+    }
+
+    /// Points, roots left out, strand after strand.
+    pub fn points(&self) -> Vec<[f32; 3]> {
+        let mut points = Vec::with_capacity(self.n_points());
+        self.put_points(&mut points);
+        points
+    }
+
+    /// The strands of the lanes that are read.
+    pub fn strands(&self) -> &[usize] {
+        &self.strands
+    }
+
+    fn n_points(&self) -> usize {
+        self.n_sticks.iter().sum()
+    }
+
+    /// Adds the points to others.
+    fn put_points(&self, points: &mut Vec<[f32; 3]>) {
+        put_ends(M::ends_m(&self.batch), &self.n_sticks, points);
+    }
+}
