@@ -84,10 +84,12 @@ pub(crate) struct Frames {
     n_points: usize,
     /// For each strand of the groom: where its first point is within a frame, and how many it has.
     places: Vec<(usize, usize)>,
+    /// The first point of each strand of the groom.
+    roots_m: Vec<[f32; 3]>,
 }
 
 impl Frames {
-    /// Frames of some of a groom's strands, in this order, all as they hang at rest.
+    /// Frames of some of a groom's strands, in this order: the first as they hang at rest, the others to be filled.
     pub fn new(groom: &Groom, strands: &[usize], n_frames: usize) -> Self {
         let mut places = vec![(0, 0); groom.strands.len()];
         let mut rest: Vec<[f32; 3]> = Vec::new();
@@ -96,7 +98,11 @@ impl Frames {
             places[*s] = (rest.len(), curve.len());
             rest.extend(curve.iter().copied().map(single));
         }
-        Self { positions_m: rest.repeat(n_frames), n_points: rest.len(), places }
+        // Zeros cost nothing until they are written over.
+        let mut positions_m = vec![[0.0; 3]; rest.len() * n_frames];
+        positions_m[..rest.len()].copy_from_slice(&rest);
+        let roots_m = groom.strands.iter().map(|strand| single(strand.rest_curve_m[0])).collect();
+        Self { positions_m, n_points: rest.len(), places, roots_m }
     }
 
     /// Puts the points of some strands, roots left out, into a frame.
@@ -105,8 +111,9 @@ impl Frames {
         for s in strands {
             let (first, n) = self.places[*s];
             let (own, others) = points.split_at(n - 1);
-            let at = frame * self.n_points + first + 1;
-            self.positions_m[at..at + own.len()].copy_from_slice(own);
+            let at = frame * self.n_points + first;
+            self.positions_m[at] = self.roots_m[*s];
+            self.positions_m[at + 1..at + n].copy_from_slice(own);
             points = others;
         }
     }

@@ -8,6 +8,7 @@ mod assumptions;
 mod check;
 mod error;
 mod frames;
+mod gap;
 mod integrator;
 mod joint;
 mod lane;

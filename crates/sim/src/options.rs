@@ -89,12 +89,14 @@ impl SimOptions {
 
     /// The times of a field with this start that a run asks for, s, from the first to the last; `None`: all of them.
     ///
-    /// Of a field that ends later than these, the steps beyond make no difference to any bit of the result.
+    /// Of a field that ends later than these, the steps beyond make no difference to any bit of the result. An integrator
+    /// with a limit asks for all: how long its steps may be hangs on the strongest wind.
     pub fn span_secs(&self, field_start_secs: f64) -> Option<[f64; 2]> {
         let first = self.start_secs.unwrap_or(field_start_secs);
         let last = first + (n_frames(self.duration_secs?, self.rate_hz) - 1.0) / self.rate_hz;
         // What is played again before its start is played from its end.
-        let is_all = self.time == TimeMode::Loop && first < field_start_secs;
+        let is_from_end = self.time == TimeMode::Loop && first < field_start_secs;
+        let is_all = is_from_end || self.integrator().is_limited();
         (!is_all).then_some([field_start_secs, last])
     }
 

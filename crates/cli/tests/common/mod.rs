@@ -38,6 +38,10 @@ impl Room {
         std::fs::write(self.path(file), bytes).unwrap();
     }
 
+    pub fn remove(&self, file: &str) {
+        std::fs::remove_file(self.path(file)).unwrap();
+    }
+
     /// Every file in the folder, hidden ones too, in order.
     pub fn files(&self) -> Vec<String> {
         let entries = std::fs::read_dir(self.folder.path()).unwrap();

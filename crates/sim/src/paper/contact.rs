@@ -1,6 +1,6 @@
 use super::{Motion, Stick, Work};
+use crate::gap::{Seen, gaps, room};
 use crate::lane::{Lane, Symmetric, Vector};
-use crate::physical::gaps;
 use crate::prepared::Prepared;
 use crate::timeline::StepScene;
 use crate::touchable::{Touchable, reached};
@@ -17,6 +17,8 @@ pub(super) struct Contacts<L> {
     slots: Vec<Slot<L>>,
     /// What is known of each point's distance from all of them.
     seen: Vec<Seen<L>>,
+    /// Of which points the slots may say something.
+    is_borne: Vec<bool>,
     /// What touches in this step, ordered from the root.
     touching: Vec<Touch<L>>,
     /// What a sweep adds to the force on each point, N.
@@ -32,13 +34,6 @@ struct Slot<L> {
     push: L,
     /// Friction along the surface, N.
     rub: Vector<L>,
-}
-
-/// Where a point was looked at last, and how far it may go from there before it has to be looked at again.
-#[derive(Clone, Copy, Debug)]
-struct Seen<L> {
-    place: Vector<L>,
-    room_m: L,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -96,7 +91,8 @@ impl<L: Lane> Contacts<L> {
         Self {
             colliders,
             slots,
-            seen: vec![Seen { place: Vector::zero(), room_m: L::zero() }; n],
+            seen: vec![Seen::not_yet(); n],
+            is_borne: vec![true; n],
             touching: Vec::new(),
             corrections: vec![Vector::zero(); n],
         }
@@ -114,8 +110,21 @@ impl<L: Lane> Contacts<L> {
             let margin_m = speed.mul_add(speed.same(2.0 * scene.dt_secs), speed.same(MARGIN_M));
             // A surface that moves comes nearer by itself.
             let is_still = scene.head.is_none();
-            if !(is_still && self.seen[stick].is_far(work.end, margin_m)) {
+            if is_still && self.seen[stick].is_far(work.end, margin_m) {
+                self.let_go(stick, margin_m);
+            } else {
                 self.look(stick, work, margin_m, scene);
+            }
+        }
+    }
+
+    /// A point is far from everything: nothing of what bore it is left.
+    #[inline(always)]
+    fn let_go(&mut self, stick: usize, like: L) {
+        if self.is_borne[stick] {
+            self.is_borne[stick] = false;
+            for slot in self.slots[stick..].iter_mut().step_by(self.seen.len()) {
+                (slot.push, slot.rub) = (like.same(0.0), Vector::none(like));
             }
         }
     }
@@ -138,6 +147,7 @@ impl<L: Lane> Contacts<L> {
             if !touches.any_above(margin_m.same(0.0)) {
                 continue;
             }
+            self.is_borne[stick] = true;
             let room_m = gap - clearance_m;
             let on_surface = margin_m.same(ON_SURFACE_M) - room_m.max(-room_m);
             let surface_velocity = scene.surface_velocity(on_torso, work.end);
@@ -271,24 +281,6 @@ impl<L: Lane> Contacts<L> {
 /// Pushes that a point may get in a step. Each is followed by a turn that keeps the stick's length, so some depth
 /// remains where the stick points into the surface: less than a tenth of it after each push.
 const MAX_PUSHES: usize = 8;
-
-/// How far a point may go before it can be nearer to a surface than it may come, m. An ellipsoid's distance is of first
-/// order: it may shrink twice as fast as the point moves.
-#[inline(always)]
-fn room<L: Lane>(gap: L, clearance_m: L) -> L {
-    let never = gap.same(f64::NEG_INFINITY);
-    let room_m = (gap - clearance_m.max(gap.same(0.0))) * gap.same(0.5);
-    clearance_m.above(never, room_m, gap.same(f64::INFINITY))
-}
-
-impl<L: Lane> Seen<L> {
-    /// Whether no strand's point can have come within a margin of anything, now that it is at a place.
-    #[inline(always)]
-    fn is_far(&self, place: Vector<L>, margin_m: L) -> bool {
-        let room_m = (self.room_m - margin_m).max(margin_m.same(0.0));
-        (room_m * room_m).all_above((place - self.place).norm_squared())
-    }
-}
 
 /// How far a point goes along a direction for each newton.
 #[inline(always)]

@@ -1,5 +1,7 @@
 use super::contact::Touchable;
 use super::link::{Link, State, Work};
+use super::scene::Now;
+use crate::gap::Seen;
 use crate::lane::{Lane, Turn, Vector};
 use crate::parts::Count;
 use tousle_rod::DragLaw;
@@ -52,6 +54,8 @@ pub(crate) struct Batch<L> {
     pub links: Vec<Link<L>>,
     pub states: Vec<State<L>>,
     pub touchable: Vec<Touchable<L>>,
+    /// What is known of each point's distance from all of these that keep their place in the head's axes.
+    pub seen: Vec<Seen<L>>,
     /// Spring of a contact, N/m, and one over it.
     pub contact_stiffness: L,
     pub contact_give: L,
@@ -67,5 +71,33 @@ impl<L: Lane> Batch<L> {
     /// Room for a step's work.
     pub fn make_room(&self, work: &mut Vec<Work<L>>) {
         work.resize(self.links.len(), Work::new());
+    }
+
+    /// Finds the points that are, or are expected to come, within `margin_m` of where something touches them; `again`: more
+    /// of them in the same step.
+    #[inline(always)]
+    pub fn look(&mut self, work: &[Work<L>], now: &Now<'_>, margin_m: L, again: bool) {
+        if !again {
+            self.touchable.iter_mut().for_each(|touchable| touchable.near.clear());
+        }
+        for (stick, (work, seen)) in work.iter().zip(&mut self.seen).enumerate() {
+            // What keeps its place in the head's axes does not come nearer by itself.
+            let is_far = seen.is_far(work.place, margin_m);
+            let mut room_m = margin_m.same(f64::INFINITY);
+            for touchable in &mut self.touchable {
+                let moving = &now.surfaces[touchable.collider];
+                if is_far && moving.is_heads {
+                    touchable.let_go(stick, again);
+                    continue;
+                }
+                let room_here_m = touchable.look(&moving.surface, stick, work.place, margin_m, again);
+                if moving.is_heads {
+                    room_m = room_m.min(room_here_m);
+                }
+            }
+            if !is_far {
+                *seen = Seen { place: work.place, room_m };
+            }
+        }
     }
 }

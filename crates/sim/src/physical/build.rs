@@ -1,6 +1,7 @@
 use super::batch::Batch;
 use super::contact::{CONTACT_RATE, Touchable, limit_m};
 use super::link::{Link, State};
+use crate::gap::Seen;
 use crate::lane::{Lane, Turn, Vector};
 use crate::parts::Count;
 use crate::touchable::reached;
@@ -99,7 +100,7 @@ pub(super) fn build<L: Lane>(strands: &[&Prepared], law: &DragLaw) -> Batch<L> {
         })
         .collect();
     let states: Vec<State<L>> = (0..n).map(|k| state_at_rest(k, &of)).collect();
-    let touchable = reached(strands).iter().map(|t| touchable(t.collider, n, &of)).collect();
+    let touchable: Vec<_> = reached(strands).iter().map(|t| touchable(t.collider, n, &of)).collect();
     Batch {
         n_strands: strands.len(),
         root: Vector::from_fn(|lane| of(lane).lock.root_m),
@@ -108,6 +109,7 @@ pub(super) fn build<L: Lane>(strands: &[&Prepared], law: &DragLaw) -> Batch<L> {
         densities: (0..n).map(|k| per_stick(k, &|p| p.lock.linear_densities_kg_per_m[k], 0.0)).collect(),
         links,
         states,
+        seen: vec![Seen::not_yet(); if touchable.is_empty() { 0 } else { n }],
         touchable,
         contact_stiffness: L::from_fn(|lane| contact_stiffness(&of(lane).lock)),
         contact_give: L::from_fn(|lane| 1.0 / contact_stiffness(&of(lane).lock)),
@@ -186,6 +188,7 @@ fn touchable<'a, L: Lane>(collider: usize, n: usize, of: &impl Fn(usize) -> &'a 
         limits_m: each(&limit),
         pushes: each(&bearing_n),
         slips: (0..n).map(|stick| Vector::from_fn(|lane| slip(of(lane), stick))).collect(),
+        is_borne: vec![true; n],
         near: Vec::with_capacity(n),
     }
 }

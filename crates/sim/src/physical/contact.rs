@@ -1,9 +1,10 @@
 //! What a body does to a strand's points: a spring that is soft as a lock is, without a rebound, and friction.
 
 use super::batch::Model;
-use crate::lane::{Lane, Matrix, Symmetric, Vector};
+use crate::gap::{TINY2, gaps, room};
+use crate::lane::{Lane, Symmetric, Vector};
 use tousle_core::Vec3;
-use tousle_rod::{Surface, SurfaceShape};
+use tousle_rod::Surface;
 
 /// A collider that strands of a batch can reach.
 #[derive(Clone, Debug)]
@@ -18,6 +19,8 @@ pub(crate) struct Touchable<L> {
     /// How far each point has slid from where the surface would hold it without effort, m, head axes: friction is the
     /// spring that pulls it back.
     pub slips: Vec<Vector<L>>,
+    /// Of which points the last two may say something.
+    pub is_borne: Vec<bool>,
     /// The ends of sticks that may touch in this step.
     pub near: Vec<Near<L>>,
 }
@@ -78,9 +81,6 @@ pub(super) const CONTACT_RATE: f64 = 200.0;
 /// it the search for what touches goes round in circles.
 pub(super) const FRINGE_M: f64 = 5e-4;
 
-/// The square of a length that is none, m².
-const TINY2: f64 = 1e-24;
-
 /// Damping of what is held by friction, over its stiffness, s: critical.
 const RUB_SECS: f64 = 2.0 / CONTACT_RATE;
 
@@ -89,85 +89,36 @@ pub(super) fn depth_of(give_m: f64) -> f64 {
     if give_m >= 0.5 * FRINGE_M { give_m + 0.5 * FRINGE_M } else { (2.0 * FRINGE_M * give_m).sqrt() }
 }
 
-/// Distance of points from a surface, m, and the way out, for many strands ([`Surface::gap`]).
-#[inline(always)]
-pub(crate) fn gaps<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L>) {
-    match surface.shape() {
-        SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => {
-            let to_sphere = Matrix::same(place.x, to_sphere);
-            let scaled = to_sphere.mul_vector(place - Vector::same(place.x, *center_m));
-            let level = scaled.norm_squared().sqrt();
-            let gradient = to_sphere.transpose_mul(scaled);
-            let flattest = 1e-9 / *shortest_half_axis_m;
-            let per_slope = gradient.norm_squared().max(place.x.same(flattest * flattest)).per_sqrt();
-            // (level − 1) / |∇level|, and ∇level = gradient / level.
-            ((level - place.x.same(1.0)) * level * per_slope, gradient * per_slope)
-        }
-        SurfaceShape::Capsule { a_m, axis, per_length2, radius_m } => {
-            let from_a = place - Vector::same(place.x, *a_m);
-            let axis = Vector::same(place.x, *axis);
-            let (zero, one) = (place.x.same(0.0), place.x.same(1.0));
-            let share = (from_a.dot(axis) * place.x.same(*per_length2)).max(zero).min(one);
-            let away = from_a - axis * share;
-            let distance2 = away.norm_squared();
-            let per_distance = distance2.max(place.x.same(TINY2)).per_sqrt();
-            (distance2 * per_distance - place.x.same(*radius_m), away * per_distance)
-        }
-        SurfaceShape::Mesh { .. } => looked_up(surface, place),
-    }
-}
-
-/// [`gaps`] of a mesh: every point looks at nodes of its own, so they are asked one by one.
-#[inline(never)]
-fn looked_up<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L>) {
-    let (mut distances, mut normals) = (L::zero(), Vector::zero());
-    for lane in 0..L::N {
-        let gap = surface.gap(place.get(lane));
-        distances.set(lane, gap.distance_m);
-        normals.set(lane, gap.normal);
-    }
-    (distances, normals)
-}
-
 impl<L: Lane> Touchable<L> {
-    /// Finds the sticks whose ends may touch in a step: those that are, or are expected to come, within `margin_m`; `again`:
-    /// more of them in the same step.
+    /// Whether the end of a stick may touch in a step: whether, for any strand, it is or is expected to come within
+    /// `margin_m`; `again`: or comes to in the same step. Out: how far it may go before it can be nearer than it may come, m.
     #[inline(always)]
-    pub fn look(
-        &mut self,
-        surface: &Surface,
-        places: impl Iterator<Item = Vector<L>>,
-        margin_m: L,
-        again: bool,
-    ) {
-        if !again {
-            self.near.clear();
-        }
-        for (stick, place) in places.enumerate() {
-            let Some(limit_m) = self.limit_within(surface, stick, place, margin_m) else {
-                if !again {
-                    self.pushes[stick] = margin_m.same(0.0);
-                    self.slips[stick] = Vector::none(margin_m);
-                }
-                continue;
-            };
+    pub fn look(&mut self, surface: &Surface, stick: usize, place: Vector<L>, margin_m: L, again: bool) -> L {
+        let (limit_m, nothing) = (self.limits_m[stick], margin_m.same(0.0));
+        let (gap, _) = gaps(surface, place);
+        let beyond = gap - limit_m - margin_m;
+        // A NaN counts as near.
+        if beyond.all_above(nothing) {
+            self.let_go(stick, again);
+        } else {
+            let limit_m = beyond.above(nothing, margin_m.same(f64::NEG_INFINITY), limit_m);
             match self.near.iter_mut().find(|near| again && near.stick == stick) {
                 Some(near) => near.limit_m = near.limit_m.max(limit_m),
                 None => self.near.push(Near { stick, limit_m, place, bearing: Bearing::none(limit_m) }),
             }
         }
+        room(gap, limit_m)
     }
 
-    /// [`Near::limit_m`] of a point, if it is within `margin_m` of it for any strand.
+    /// The end of a stick is far: nothing of what bore it is left, unless a step was begun with it.
     #[inline(always)]
-    fn limit_within(&self, surface: &Surface, stick: usize, place: Vector<L>, margin_m: L) -> Option<L> {
-        let limit_m = self.limits_m[stick];
-        let (gap, _) = gaps(surface, place);
-        let room = gap - limit_m - margin_m;
-        // A NaN counts as near.
-        let (zero, never) = (margin_m.same(0.0), margin_m.same(f64::NEG_INFINITY));
-        let is_far = room.all_above(zero);
-        (!is_far).then(|| room.above(zero, never, limit_m))
+    pub fn let_go(&mut self, stick: usize, again: bool) {
+        if self.is_borne[stick] && !again {
+            self.is_borne[stick] = false;
+            let zero = self.limits_m[stick].same(0.0);
+            self.pushes[stick] = zero;
+            self.slips[stick] = Vector::none(zero);
+        }
     }
 
     /// What the surface does to all that may touch. `at`: place and velocity of a stick's end.
@@ -201,6 +152,7 @@ impl<L: Lane> Touchable<L> {
         for near in &self.near {
             self.pushes[near.stick] = near.bearing.push;
             self.slips[near.stick] = near.bearing.slip;
+            self.is_borne[near.stick] = true;
         }
     }
 }
@@ -280,44 +232,9 @@ pub(super) fn limit_m(clearance_m: f64, bearing_n: f64, stiffness: f64) -> f64 {
     clearance_m + depth_of(if stiffness > 0.0 { bearing_n / stiffness } else { 0.0 })
 }
 
-/// [`Gap`] of one point, for tests that hold the two against each other.
-#[cfg(test)]
-pub(super) fn gap_of(surface: &Surface, place: Vec3) -> tousle_rod::Gap {
-    use crate::lane::F64x1;
-    let (distance, normal) = gaps::<F64x1>(surface, Vector::splat(place));
-    tousle_rod::Gap { distance_m: distance.get(0), normal: normal.get(0) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::UnitQuaternion;
-    use tousle_core::{Pose, Shape};
-
-    #[test]
-    fn gaps_are_those_of_the_surface() {
-        let pose = Pose::from_parts(
-            Vec3::new(0.02, -0.01, 0.03).into(),
-            UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1),
-        );
-        let shapes = [
-            Shape::Ellipsoid { center_m: Vec3::zeros(), half_axes_m: Vec3::new(0.095, 0.075, 0.1) },
-            Shape::Capsule {
-                a_m: Vec3::new(0.0, -0.15, 0.0),
-                b_m: Vec3::new(0.0, 0.15, 0.0),
-                radius_m: 0.07,
-            },
-        ];
-        for shape in &shapes {
-            let surface = Surface::new(shape).moved(&pose);
-            for point in [Vec3::new(0.1, 0.02, 0.05), Vec3::new(-0.03, 0.2, 0.01), Vec3::new(0.03, 0.02, 0.0)]
-            {
-                let (found, expected) = (gap_of(&surface, point), surface.gap(point));
-                assert!((found.distance_m - expected.distance_m).abs() < 1e-12, "{found:?} {expected:?}");
-                assert!((found.normal - expected.normal).norm() < 1e-12, "{found:?} {expected:?}");
-            }
-        }
-    }
 
     #[test]
     fn a_depth_pushes_as_hard_as_it_was_made_for() {

@@ -232,9 +232,9 @@ impl<L: Lane> Batch<L> {
             per_h: L::one(),
             dt: L::zero(),
         };
+        self.look(work, now, L::zero(), false);
         for touchable in &mut self.touchable {
             let moving = &now.surfaces[touchable.collider];
-            touchable.look(&moving.surface, work.iter().map(|w| w.place), L::zero(), false);
             touchable.feel(model, moving, |stick| (work[stick].place, work[stick].drifting), firmness);
             for near in &touchable.near {
                 let work = &mut work[near.stick];

@@ -283,10 +283,7 @@ impl<L: Lane> Batch<L> {
             way2 = way2.max((work.place - state.place).norm_squared());
         }
         let margin_m = way2.sqrt().mul_add(self.contact_give.same(0.25), self.contact_give.same(LOOK_M));
-        for touchable in &mut self.touchable {
-            let surface = &now.surfaces[touchable.collider].surface;
-            touchable.look(surface, work.iter().map(|w| w.place), margin_m, again);
-        }
+        self.look(work, now, margin_m, again);
         margin_m
     }
 

@@ -1,0 +1,143 @@
+//! How far points are from a surface, and from being near it.
+
+use crate::lane::{Lane, Matrix, Vector};
+use tousle_rod::{Surface, SurfaceShape};
+
+/// The square of a length that is none, m².
+pub(crate) const TINY2: f64 = 1e-24;
+
+/// Distance of points from a surface, m, and the way out, for many strands ([`Surface::gap`]).
+#[inline(always)]
+pub(crate) fn gaps<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L>) {
+    match surface.shape() {
+        SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => {
+            let to_sphere = Matrix::same(place.x, to_sphere);
+            let scaled = to_sphere.mul_vector(place - Vector::same(place.x, *center_m));
+            let level = scaled.norm_squared().sqrt();
+            let gradient = to_sphere.transpose_mul(scaled);
+            let flattest = 1e-9 / *shortest_half_axis_m;
+            let per_slope = gradient.norm_squared().max(place.x.same(flattest * flattest)).per_sqrt();
+            // (level − 1) / |∇level|, and ∇level = gradient / level.
+            ((level - place.x.same(1.0)) * level * per_slope, gradient * per_slope)
+        }
+        SurfaceShape::Capsule { a_m, axis, per_length2, radius_m } => {
+            let from_a = place - Vector::same(place.x, *a_m);
+            let axis = Vector::same(place.x, *axis);
+            let share =
+                (from_a.dot(axis) * place.x.same(*per_length2)).max(place.x.same(0.0)).min(place.x.same(1.0));
+            let away = from_a - axis * share;
+            let distance2 = away.norm_squared();
+            let per_distance = distance2.max(place.x.same(TINY2)).per_sqrt();
+            (distance2 * per_distance - place.x.same(*radius_m), away * per_distance)
+        }
+        SurfaceShape::Mesh { .. } => looked_up(surface, place),
+    }
+}
+
+/// [`gaps`] of a mesh: every point looks at nodes of its own, so they are asked one by one.
+#[inline(never)]
+fn looked_up<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L>) {
+    let (mut distances, mut normals) = (L::zero(), Vector::zero());
+    for lane in 0..L::N {
+        let gap = surface.gap(place.get(lane));
+        distances.set(lane, gap.distance_m);
+        normals.set(lane, gap.normal);
+    }
+    (distances, normals)
+}
+
+/// Where a point was looked at last, and how far it may go from there before it has to be looked at again.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen<L> {
+    pub place: Vector<L>,
+    pub room_m: L,
+}
+
+/// How far a point may go before it can be nearer to a surface than it may come, m. An ellipsoid's distance is of first
+/// order: it may shrink twice as fast as the point moves.
+#[inline(always)]
+pub(crate) fn room<L: Lane>(gap: L, clearance_m: L) -> L {
+    let never = gap.same(f64::NEG_INFINITY);
+    let room_m = (gap - clearance_m.max(gap.same(0.0))) * gap.same(0.5);
+    clearance_m.above(never, room_m, gap.same(f64::INFINITY))
+}
+
+impl<L: Lane> Seen<L> {
+    /// Not looked at yet.
+    pub fn not_yet() -> Self {
+        Self { place: Vector::zero(), room_m: L::zero() }
+    }
+
+    /// Whether no strand's point can have come within a margin of anything, now that it is at a place.
+    #[inline(always)]
+    pub fn is_far(&self, place: Vector<L>, margin_m: L) -> bool {
+        let room_m = (self.room_m - margin_m).max(margin_m.same(0.0));
+        (room_m * room_m).all_above((place - self.place).norm_squared())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lane::F64x1;
+    use nalgebra::UnitQuaternion;
+    use tousle_core::{Pose, Shape, Vec3};
+    use tousle_rod::Gap;
+
+    /// [`Gap`] of one point.
+    fn gap_of(surface: &Surface, place: Vec3) -> Gap {
+        let (distance, normal) = gaps::<F64x1>(surface, Vector::splat(place));
+        Gap { distance_m: distance.get(0), normal: normal.get(0) }
+    }
+
+    fn surfaces() -> [Surface; 2] {
+        let pose = Pose::from_parts(
+            Vec3::new(0.02, -0.01, 0.03).into(),
+            UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1),
+        );
+        [
+            Shape::Ellipsoid { center_m: Vec3::zeros(), half_axes_m: Vec3::new(0.095, 0.075, 0.1) },
+            Shape::Capsule {
+                a_m: Vec3::new(0.0, -0.15, 0.0),
+                b_m: Vec3::new(0.0, 0.15, 0.0),
+                radius_m: 0.07,
+            },
+        ]
+        .map(|shape| Surface::new(&shape).moved(&pose))
+    }
+
+    #[test]
+    fn gaps_are_those_of_the_surface() {
+        for surface in surfaces() {
+            for point in [Vec3::new(0.1, 0.02, 0.05), Vec3::new(-0.03, 0.2, 0.01), Vec3::new(0.03, 0.02, 0.0)]
+            {
+                let (found, expected) = (gap_of(&surface, point), surface.gap(point));
+                assert!((found.distance_m - expected.distance_m).abs() < 1e-12, "{found:?} {expected:?}");
+                assert!((found.normal - expected.normal).norm() < 1e-12, "{found:?} {expected:?}");
+            }
+        }
+    }
+
+    /// Whoever has gone no farther than the room there was is still outside.
+    #[test]
+    fn who_stays_within_the_room_comes_no_nearer() {
+        let on_cube =
+            |k: i32, n: i32| Vec3::new(f64::from(k % n), f64::from(k / n % n), f64::from(k / n / n));
+        for surface in surfaces() {
+            for k in 0..9 * 9 * 9 {
+                let from = (on_cube(k, 9) / 4.0 - Vec3::repeat(1.0)) * 0.3;
+                let clearance_m = 0.004;
+                let room_m = room(F64x1::splat(gap_of(&surface, from).distance_m), F64x1::splat(clearance_m));
+                let seen = Seen { place: Vector::splat(from), room_m };
+                for way in 0..27 {
+                    let way = (on_cube(way, 3) - Vec3::repeat(1.0)) * (room_m.get(0).max(0.0) * 0.577);
+                    let there = Vector::splat(from + way);
+                    if seen.is_far(there, F64x1::zero()) {
+                        let gap_m = gap_of(&surface, from + way).distance_m;
+                        assert!(gap_m > clearance_m, "{from} {way}: {gap_m}");
+                    }
+                }
+            }
+        }
+    }
+}
