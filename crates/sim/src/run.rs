@@ -49,21 +49,19 @@ impl<M: Mechanics> Run<'_, M> {
         let block = if self.reading == Reading::Together { BLOCK_OF_MANY } else { BLOCK_OF_FEW };
         let (start, end) = (first * per_frame, last * per_frame);
         let n_strands: usize = batches.iter().map(|lanes| lanes.strands.len()).sum();
+        // What each batch has moved through in a block. Kept from block to block: memory that is new each time costs more.
+        let mut moved: Vec<Vec<[f32; 3]>> = vec![Vec::new(); batches.len()];
         let (done, total) = (AtomicU64::new(0), (n_strands * (end - start)) as u64);
         for begin in (start..end).step_by(block) {
             let steps = begin..(begin + block).min(end);
             let world = |step| self.mechanics.world(&self.timeline, &self.sampler, self.reading, step);
             let worlds: Vec<M::World<'_>> = steps.clone().map(world).collect();
-            let moved: Vec<Vec<[f32; 3]>> = batches
-                .par_iter_mut()
-                .map_init(Vec::new, |work, lanes| {
-                    let points = self.take_steps(lanes, work, begin, &worlds);
-                    let n = (lanes.strands.len() * steps.len()) as u64;
-                    progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
-                    points
-                })
-                .collect();
-            for (lanes, points) in batches.iter().zip(moved) {
+            batches.par_iter_mut().zip(&mut moved).for_each_init(Vec::new, |work, (lanes, points)| {
+                self.take_steps(lanes, work, begin, &worlds, points);
+                let n = (lanes.strands.len() * steps.len()) as u64;
+                progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
+            });
+            for (lanes, points) in batches.iter().zip(&moved) {
                 for (k, points) in points.chunks_exact(lanes.n_points()).enumerate() {
                     put(begin / per_frame + 1 + k, &lanes.strands, points);
                 }
@@ -71,23 +69,24 @@ impl<M: Mechanics> Run<'_, M> {
         }
     }
 
-    /// A batch through a block of steps. Out: its points, roots left out, in every frame that these complete.
+    /// A batch through a block of steps. `points`: what becomes its points, roots left out, in every frame that these
+    /// complete.
     fn take_steps<L: Lane>(
         &self,
         lanes: &mut Lanes<M, L>,
         work: &mut Vec<M::Work<L>>,
         begin: usize,
         worlds: &[M::World<'_>],
-    ) -> Vec<[f32; 3]> {
+        points: &mut Vec<[f32; 3]>,
+    ) {
         let per_frame = self.timeline.steps_per_frame;
-        let mut points = Vec::with_capacity((worlds.len() / per_frame + 1) * lanes.n_points());
+        points.clear();
         for (k, world) in worlds.iter().enumerate() {
             self.mechanics.step(&mut lanes.batch, work, world);
             if (begin + k + 1).is_multiple_of(per_frame) {
-                lanes.put_points(&mut points);
+                lanes.put_points(points);
             }
         }
-        points
     }
 }
 
