@@ -109,6 +109,12 @@ fn paper(bencher: Bencher<'_, '_>, run: Run) {
 }
 
 #[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
+fn paper_single(bencher: Bencher<'_, '_>, run: Run) {
+    let options = SimOptions { precision: Precision::Single, ..SimOptions::of(Method::Paper) };
+    run.step(bencher, &mannequin(), options);
+}
+
+#[divan::bench(args = RUNS, max_time = 6, min_time = 1)]
 fn prepare_physical(bencher: Bencher<'_, '_>, run: Run) {
     run.prepare(bencher, Method::Physical);
 }

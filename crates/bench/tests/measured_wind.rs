@@ -53,22 +53,17 @@ fn another_hairstyle_moves_as_it_really_did() {
     }
 }
 
-/// The closed loop serves another hairstyle and never leaves the wig's own locks farther off, and dirt costs at most a
-/// tenth: on one capture with dirt and one without, as a loop takes half a minute.
+/// All rounds of the closed loop serve another hairstyle and do not leave the wig's own locks farther off, and dirt costs
+/// at most a tenth: on one capture with dirt, as they take half a minute.
 #[test]
 fn the_closed_loop_serves_and_dirt_costs_little() {
     let Some(captures) = captures() else { return };
-    for (name, explained, median) in [("gusts_left", 0.93, 0.92), ("two_fans", 0.87, 0.91)] {
-        let [physical, refined, clean] = &rows(&captures, name, &Setting::methods()[1..])[..] else {
-            panic!("expected three rows")
-        };
-        let (found, of_refined, of_clean) = (motion(physical), motion(refined), motion(clean));
-        assert!(
-            of_refined.0 >= explained && of_refined.1 >= median,
-            "{name}: {of_refined:?} refined, expected {explained}, {median}"
-        );
-        let wig = |row: &MeasureRow| row.wig.as_ref().unwrap().locks.as_ref().unwrap().explained_median;
-        assert!(wig(refined) >= wig(physical) - 0.01, "{name}: the wig itself");
-        assert!(found.1 >= 0.9 * of_clean.1, "{name}: {found:?}, {of_clean:?} without dirt");
-    }
+    let [physical, refined, clean] = &rows(&captures, "two_fans", &Setting::methods()[1..])[..] else {
+        panic!("expected three rows")
+    };
+    let (found, of_refined, of_clean) = (motion(physical), motion(refined), motion(clean));
+    assert!(of_refined.0 >= 0.87 && of_refined.1 >= 0.91, "{of_refined:?} refined, expected 0.87, 0.91");
+    let wig = |row: &MeasureRow| row.wig.as_ref().unwrap().locks.as_ref().unwrap().explained_median;
+    assert!(wig(refined) >= wig(physical) - 0.01, "the wig itself");
+    assert!(found.1 >= 0.9 * of_clean.1, "{found:?}, {of_clean:?} without dirt");
 }

@@ -53,29 +53,39 @@ impl<L: Lane, I: Iterator<Item = Vector<L>>> NullaryFnOnce for PutEnds<'_, I> {
 /// The largest change of any stick's length from the first frame's, as a share of it, over all frames.
 pub fn max_stretch(motion: &StrandMotion) -> f64 {
     let n_points = motion.n_points();
-    let length2 = |p: &[[f32; 3]], k: usize| {
-        (Vec3::from(p[k + 1].map(f64::from)) - Vec3::from(p[k].map(f64::from))).norm_squared()
-    };
+    let mut lengths2 = Vec::new();
+    put_lengths2(motion.frame(0), &mut lengths2);
     // Of the stick that begins at each point; there is none at a tip.
-    let mut per_rest2 = vec![f64::NAN; n_points];
+    let mut per_rest2 = vec![f32::NAN; lengths2.len()];
     let mut first = 0;
     for n in &motion.counts {
-        for (k, per_rest2) in per_rest2[first..first + n].iter_mut().take(n.saturating_sub(1)).enumerate() {
-            *per_rest2 = 1.0 / length2(&motion.positions_m, first + k);
-        }
+        let sticks = first..first + n.saturating_sub(1);
+        per_rest2[sticks.clone()]
+            .iter_mut()
+            .zip(&lengths2[sticks])
+            .for_each(|(per, rest2)| *per = 1.0 / rest2);
         first += n;
     }
     // Least and most of squared lengths; neither hears of a NaN.
-    let stretch = |frame: &[[f32; 3]]| {
-        (0..n_points.saturating_sub(1)).fold((1.0, 1.0), |(least, most), k| {
-            let share = length2(frame, k) * per_rest2[k];
-            (f64::min(least, share), f64::max(most, share))
-        })
+    let stretch = |lengths2: &mut Vec<f32>, frame: &[[f32; 3]]| {
+        put_lengths2(frame, lengths2);
+        let shares = lengths2.iter().zip(&per_rest2).map(|(length2, per_rest2)| length2 * per_rest2);
+        shares.fold((1.0, 1.0), |(least, most), share| (f32::min(least, share), f32::max(most, share)))
     };
-    let wider = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
-    let (least, most) =
-        motion.positions_m.par_chunks_exact(n_points).map(stretch).reduce(|| (1.0, 1.0), wider);
-    f64::max(1.0 - least.sqrt(), most.sqrt() - 1.0)
+    let wider = |a: (f32, f32), b: (f32, f32)| (a.0.min(b.0), a.1.max(b.1));
+    let frames = motion.positions_m.par_chunks_exact(n_points.max(1));
+    let (least, most) = frames.map_init(Vec::new, stretch).reduce(|| (1.0, 1.0), wider);
+    f64::max(1.0 - f64::from(least).sqrt(), f64::from(most).sqrt() - 1.0)
+}
+
+/// Puts the squared distance of each point of a frame from the next, m², in place of what was there.
+fn put_lengths2(frame: &[[f32; 3]], lengths2: &mut Vec<f32>) {
+    lengths2.clear();
+    lengths2.extend(frame.windows(2).map(|pair| {
+        let ([from_x, from_y, from_z], [x, y, z]) = (pair[0], pair[1]);
+        let (x, y, z) = (x - from_x, y - from_y, z - from_z);
+        x * x + y * y + z * z
+    }));
 }
 
 /// The positions of some strands in all frames, to be filled strand by strand.
