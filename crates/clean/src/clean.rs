@@ -136,7 +136,7 @@ impl Work {
     fn new(head: &HeadCapture, session: &Session, locks: Locks) -> Self {
         let still = session.still_range(head.first_frame, head.n_frames());
         let tracks: Vec<Track> = head.strands.iter().flat_map(|s| s.markers.iter().cloned()).collect();
-        let noise_m: Vec<Option<f64>> = tracks.iter().map(|t| white_noise(t, still)).collect();
+        let noise_m: Vec<Option<f64>> = tracks.par_iter().map(|t| white_noise(t, still)).collect();
         let mut known: Vec<f64> = noise_m.iter().flatten().copied().collect();
         known.sort_by(f64::total_cmp);
         let usual_noise_m = known.get(known.len() / 2).copied().unwrap_or(0.0);
@@ -313,7 +313,7 @@ impl Work {
                 }
             }
         }
-        self.report.markers = (0..self.tracks.len()).map(|m| self.timeline(m)).collect();
+        self.report.markers = (0..self.tracks.len()).into_par_iter().map(|m| self.timeline(m)).collect();
         let (mut tracks, mut samples) = (self.tracks.into_iter(), self.samples.into_iter());
         let strands = head.strands.iter().zip(n_markers).map(|(strand, n)| StrandTracks {
             strand_idx: strand.strand_idx,

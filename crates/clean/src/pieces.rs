@@ -1,6 +1,7 @@
 //! Nameless trajectories: pieces of a marker during its own gap, or ghosts.
 
 use crate::gaps::{Fill, Scene, fill_gap};
+use rayon::prelude::*;
 use std::ops::Range;
 use tousle_core::{Track, UnlabeledTrack, Vec3, runs};
 
@@ -49,7 +50,7 @@ pub(crate) fn judge(scene: Scene<'_>, piece: &Piece<'_>, volume_m3: f64) -> Verd
     let mut locks: Vec<usize> = missing.iter().map(|(m, _)| scene.locks.markers[*m].strand_idx).collect();
     locks.dedup();
     let candidates: Vec<(usize, Fit)> = missing
-        .into_iter()
+        .into_par_iter()
         .filter_map(|(marker, gap)| Some((marker, Fit::of(piece, &fill_gap(scene, marker, gap))?)))
         .collect();
     // As many markers as are in a gap may have lost it; a ghost is as likely as all of them together.

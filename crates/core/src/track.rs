@@ -21,6 +21,7 @@ impl Track {
     }
 
     /// The position at a frame (from 0), or `None` where the marker was not seen or the frame is past the end.
+    #[inline]
     pub fn at(&self, frame: usize) -> Option<Vec3> {
         self.positions.get(frame).copied().filter(|p| p.x.is_finite() && p.y.is_finite() && p.z.is_finite())
     }
