@@ -11,9 +11,11 @@ mod layer;
 mod sampler;
 mod scene;
 mod sequence;
+mod window;
 
 pub use grid::{GridError, GridSpec, MAX_VOXELS, VoxelIndex};
 pub use layer::{Ease, FieldLayer, Handle, LayerKey, LayerOrigin, Reshape};
 pub use sampler::{Moment, Reading, SAMPLED_AT_ONCE, Sampler};
 pub use scene::Scene;
 pub use sequence::{Field, FieldError, FieldSequence, FieldSlice, Stencil, VoxelFlag};
+pub use window::Window;

@@ -1,5 +1,4 @@
-use crate::{Field, FieldLayer, FieldSequence, GridSpec, VoxelIndex};
-use core::ops::Range;
+use crate::{Field, FieldLayer, FieldSequence, Window};
 use std::sync::{Arc, OnceLock};
 use tousle_core::Vec3;
 
@@ -59,31 +58,6 @@ impl<'a> Placed<'a> {
     fn acts_at(&self, point_m: Vec3, k: usize, turns: usize) -> bool {
         let (low, high) = &self.corners_m;
         self.turn.is_none_or(|turn| k % turns == turn) && *low <= point_m && point_m <= *high
-    }
-}
-
-/// Some voxels of a grid, side by side.
-#[derive(Clone, Copy, Debug)]
-struct Window {
-    first: [usize; 3],
-    dims: [usize; 3],
-}
-
-impl Window {
-    fn whole(grid: &GridSpec) -> Self {
-        Self { first: [0; 3], dims: grid.dims }
-    }
-
-    fn n_voxels(&self) -> usize {
-        self.dims.iter().product()
-    }
-
-    /// Passes on the flat indices in a grid of each row along z.
-    fn rows(self, grid: GridSpec) -> impl Iterator<Item = Range<usize>> {
-        let [[x, y, z], [nx, ny, nz]] = [self.first, self.dims];
-        let row = move |x, y| grid.flat(VoxelIndex([x, y, z]));
-        let along_y = move |x| (y..y + ny).map(move |y| row(x, y));
-        (x..x + nx).flat_map(along_y).map(move |first| first..first + nz)
     }
 }
 
@@ -175,10 +149,9 @@ impl<'a> Sampler<'a> {
         let grid = &self.sequence.grid;
         // Single precision may see a point on the other side of a voxel's center.
         let slack_m = Vec3::repeat(1e-3 * grid.edge_m);
-        let (VoxelIndex(first), VoxelIndex(last)) = grid.voxels_around(low_m - slack_m, high_m + slack_m);
-        let dims = [0, 1, 2].map(|axis| last[axis] - first[axis] + 1);
+        let kept = Window::around(grid, low_m - slack_m, high_m + slack_m);
         let laid_out = self.sequence.steps.iter().map(|_| OnceLock::new()).collect();
-        Self { kept: Window { first, dims }, laid_out, ..self }
+        Self { kept, laid_out, ..self }
     }
 
     /// The field.
@@ -250,7 +223,7 @@ impl<'a> Sampler<'a> {
     fn lay_out(&self, step: usize) -> Voxels {
         let Raw { vectors, air } = self.raw(step);
         let mut voxels = vec![[0.0; 4]; self.kept.n_voxels() + 1];
-        for (voxels, row) in voxels.chunks_mut(self.kept.dims[2]).zip(self.kept.rows(self.sequence.grid)) {
+        for (voxels, row) in voxels.chunks_mut(self.kept.dims[2]).zip(self.kept.rows(&self.sequence.grid)) {
             // Slices of one length: only so the compiler makes vector instructions of the loop.
             let [x, y, z] = vectors.map(|component| &component[row.clone()]);
             for (k, voxel) in voxels.iter_mut().enumerate() {
@@ -490,6 +463,7 @@ fn mix(a: f32, b: f32, share: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::GridSpec;
     use tousle_core::Quantity;
 
     /// Two steps of a wind that grows with x, y and time, with a head of still voxels in the middle.

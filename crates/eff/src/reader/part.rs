@@ -3,7 +3,7 @@ use crate::{Eff, EffError, ReadOptions};
 use std::io::{Read, Seek};
 use std::ops::RangeInclusive;
 use tousle_core::Vec3;
-use tousle_field::{Field, FieldSequence, GridSpec, VoxelIndex};
+use tousle_field::{Field, FieldSequence, GridSpec, Window};
 
 /// Which part of a field is wanted.
 ///
@@ -88,21 +88,17 @@ fn around(first: f64, last: f64, end: u64) -> RangeInclusive<u64> {
 /// The voxels of a grid that a box needs.
 struct Crop {
     whole: GridSpec,
-    first: [usize; 3],
+    window: Window,
     grid: GridSpec,
 }
 
 impl Crop {
     fn new(whole: &GridSpec, box_m: Option<[Vec3; 2]>) -> Self {
-        let Some([low, high]) = box_m else { return Self { whole: *whole, first: [0; 3], grid: *whole } };
-        let (VoxelIndex(first), VoxelIndex(last)) = whole.voxels_around(low, high);
-        let corner = Vec3::from(first.map(|i| i as f64)) * whole.edge_m;
-        let grid = GridSpec {
-            origin_m: whole.origin_m + corner,
-            edge_m: whole.edge_m,
-            dims: [0, 1, 2].map(|a| last[a] - first[a] + 1),
-        };
-        Self { whole: *whole, first, grid }
+        let around = |[low_m, high_m]: [Vec3; 2]| Window::around(whole, low_m, high_m);
+        let window = box_m.map_or_else(|| Window::whole(whole), around);
+        let corner = Vec3::from(window.first.map(|i| i as f64)) * whole.edge_m;
+        let grid = GridSpec { origin_m: whole.origin_m + corner, edge_m: whole.edge_m, dims: window.dims };
+        Self { whole: *whole, window, grid }
     }
 
     /// The voxels of a step that are within.
@@ -111,12 +107,7 @@ impl Crop {
             return step;
         }
         let n = self.whole.n_voxels();
-        let kept: Vec<usize> = (0..self.grid.n_voxels())
-            .map(|flat| {
-                let VoxelIndex(v) = self.grid.unflat(flat);
-                self.whole.flat(VoxelIndex([0, 1, 2].map(|a| v[a] + self.first[a])))
-            })
-            .collect();
+        let kept: Vec<usize> = self.window.rows(&self.whole).flatten().collect();
         Field {
             u: (0..3).flat_map(|axis| kept.iter().map(move |k| axis * n + k)).map(|k| step.u[k]).collect(),
             flags: kept.iter().map(|k| step.flags[*k]).collect(),
