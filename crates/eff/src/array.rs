@@ -91,7 +91,8 @@ pub(crate) fn pack(values: &[f32], shape: Shape, encoding: Encoding) -> Result<p
                     expected: "at most 65504 for half precision".into(),
                 });
             }
-            let data = planes::split(&bytes_of(values, |v| f16::pack(v).to_le_bytes()));
+            let halves: Vec<u16> = values.iter().map(|v| f16::pack(*v)).collect();
+            let data = planes::split_16(&halves, |half| half);
             Ok(proto::Array { encoding: proto::Encoding::F16 as i32, quantum: 0.0, data })
         }
         Encoding::Fixed { max_error } => fixed::pack(values, shape, max_error),
@@ -100,12 +101,8 @@ pub(crate) fn pack(values: &[f32], shape: Shape, encoding: Encoding) -> Result<p
 
 /// Packs numbers as they are.
 pub(crate) fn pack_f32(values: &[f32]) -> proto::Array {
-    let data = planes::split(&bytes_of(values, f32::to_le_bytes));
+    let data = planes::split_32(values, f32::to_bits);
     proto::Array { encoding: proto::Encoding::F32 as i32, quantum: 0.0, data }
-}
-
-fn bytes_of<T: Copy, const W: usize>(values: &[T], bytes: impl Fn(T) -> [u8; W]) -> Vec<[u8; W]> {
-    values.iter().map(|v| bytes(*v)).collect()
 }
 
 /// Packs numbers in half precision if all of them fit its range, as they are otherwise.
@@ -143,10 +140,8 @@ pub(crate) fn unpack(
     }
     let data = &array.data;
     match encoding {
-        proto::Encoding::F32 => Ok(planes::join(data).into_iter().map(f32::from_le_bytes).collect()),
-        proto::Encoding::F16 => {
-            Ok(planes::join(data).into_iter().map(|b| f16::unpack(u16::from_le_bytes(b))).collect())
-        }
+        proto::Encoding::F32 => Ok(planes::join_32(data).map(f32::from_bits).collect()),
+        proto::Encoding::F16 => Ok(planes::join_16(data).map(f16::unpack).collect()),
         _ if !(array.quantum.is_finite() && array.quantum > 0.0) => {
             let expected = "a finite number above 0";
             Err(place.finding(Code::Encoding, format!("{what}.quantum"), array.quantum, expected))

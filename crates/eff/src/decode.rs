@@ -207,12 +207,12 @@ fn flags(bytes: &[u8], n: usize, place: Place<'_>) -> Result<Vec<VoxelFlag>, Box
             format!("{n}, one a voxel"),
         ));
     }
-    let flag = |(k, byte): (usize, &u8)| {
-        VoxelFlag::from_byte(*byte).ok_or_else(|| {
-            place.finding(Code::Flag, format!("flags[{k}]"), byte, "0 outside, 1 interpolated, 2 measured")
-        })
-    };
-    bytes.iter().enumerate().map(flag).collect()
+    if let Some(k) = bytes.iter().position(|byte| VoxelFlag::from_byte(*byte).is_none()) {
+        let expected = "0 outside, 1 interpolated, 2 measured";
+        return Err(place.finding(Code::Flag, format!("flags[{k}]"), bytes[k], expected));
+    }
+    // Two passes, as the second is vector code.
+    Ok(bytes.iter().map(|byte| VoxelFlag::from_byte(*byte).unwrap_or_default()).collect())
 }
 
 /// Decodes JSON.

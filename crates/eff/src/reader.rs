@@ -39,7 +39,7 @@ impl<R: Read + Seek> Reader<R> {
     pub fn open(mut input: R) -> Result<Self, EffError> {
         let index = Index::read(&mut input)?;
         let mut manifest = None;
-        each_message(&mut input, &index, topic::MANIFEST, None, &mut |message, place| {
+        each_message(&mut input, &index, topic::MANIFEST, &mut |message, place| {
             let mut findings = Findings::first_error();
             let found = decode::manifest(message.data, index.version, place).map_err(first)?;
             check::manifest(&found, place, &mut findings);
@@ -51,7 +51,7 @@ impl<R: Read + Seek> Reader<R> {
             return Err(place.finding(Code::Missing, "manifest", "none", "a sound manifest").into());
         };
         let mut layers = Vec::new();
-        each_message(&mut input, &index, topic::EDITS, None, &mut |message, place| {
+        each_message(&mut input, &index, topic::EDITS, &mut |message, place| {
             let mut findings = Findings::first_error();
             let edits = decode::edits(message.data, place).map_err(first)?;
             check::edits(&edits, &manifest.requires, place, &mut findings);
@@ -93,31 +93,25 @@ impl<R: Read + Seek> Reader<R> {
         if k >= self.n_steps() {
             return Ok(None);
         }
-        let packed = self.packed_step(k)?;
-        let place = Place { channel: Some(topic::FIELD), time_ns: Some(packed.time_ns), offset: None };
-        decode::unpack_step(packed, &self.manifest.field, place).map(Some).map_err(first)
+        let chunks = self.load_step(k)?;
+        self.unpacker().step(k, &chunks).map(Some)
     }
 
     /// Reads one step and leaves its arrays packed.
     pub(crate) fn packed_step(&mut self, k: u64) -> Result<FieldStep, EffError> {
-        let manifest = &self.manifest;
-        let secs = manifest.field.step_secs(k);
-        // Another program may round a half nanosecond the other way.
-        let time = time_ns(secs).unwrap_or(u64::MAX);
-        let near = (time.saturating_sub(1), time.saturating_add(1));
-        let mut step = None;
-        each_message(&mut self.input, &self.index, topic::FIELD, Some(near), &mut |message, place| {
-            let packed = decode::packed_step(message.data, manifest, place)?;
-            let stamp = Stamp { index: packed.index, time_ns: packed.time_ns };
-            let mut findings = Findings::first_error();
-            check::stamp(stamp, k, secs, message.log_time, place, &mut findings);
-            step = Some(packed);
-            fail(findings)
-        })?;
-        step.ok_or_else(|| {
-            let place = Place { channel: Some(topic::FIELD), time_ns: Some(time), offset: None };
-            place.finding(Code::Count, format!("step {k}"), "none at its time", "one").into()
-        })
+        let chunks = self.load_step(k)?;
+        self.unpacker().packed_step(k, &chunks)
+    }
+
+    /// Reads the chunks that may hold a step, as they lie in the file.
+    fn load_step(&mut self, k: u64) -> Result<Vec<Packed>, EffError> {
+        let Some(channel_id) = self.index.channel(topic::FIELD) else { return Ok(Vec::new()) };
+        let (first, last) = near(self.manifest.field.step_secs(k));
+        self.index.chunks_within(channel_id, first, last).map(|facts| load(&mut self.input, facts)).collect()
+    }
+
+    fn unpacker(&self) -> Unpacker<'_> {
+        Unpacker { manifest: &self.manifest, channel_id: self.index.channel(topic::FIELD) }
     }
 
     /// Reads all attachments.
@@ -136,7 +130,7 @@ impl<R: Read + Seek> Reader<R> {
         let mut poses = Vec::new();
         let manifest = &self.manifest;
         let info = manifest.pose;
-        each_message(&mut self.input, &self.index, topic::POSE, None, &mut |message, place| {
+        each_message(&mut self.input, &self.index, topic::POSE, &mut |message, place| {
             let k = poses.len() as u64;
             let (stamp, pose) = decode::pose(message.data, manifest, place)?;
             let mut findings = Findings::first_error();
@@ -167,7 +161,7 @@ impl<R: Read + Seek> Reader<R> {
     pub fn samples(&mut self) -> Result<Vec<Vec<WindSample>>, EffError> {
         let mut steps = Vec::new();
         let Some(info) = self.manifest.samples else { return Ok(steps) };
-        each_message(&mut self.input, &self.index, topic::SAMPLES, None, &mut |message, place| {
+        each_message(&mut self.input, &self.index, topic::SAMPLES, &mut |message, place| {
             let k = steps.len() as u64;
             let (stamp, samples) = decode::samples(message.data, place)?;
             let mut findings = Findings::first_error();
@@ -194,22 +188,91 @@ pub(crate) fn indexed_records<R: Read + Seek>(input: &mut R) -> Result<Vec<(u64,
     Ok(Index::read(input)?.records())
 }
 
+/// Makes steps of chunks, with nothing of the stream: several can be made side by side.
+#[derive(Clone, Copy)]
+struct Unpacker<'a> {
+    manifest: &'a Manifest,
+    /// The channel of the field, if the file has one.
+    channel_id: Option<u16>,
+}
+
+impl Unpacker<'_> {
+    /// A step from the chunks that may hold it.
+    fn step(self, k: u64, chunks: &[Packed]) -> Result<Field, EffError> {
+        let packed = self.packed_step(k, chunks)?;
+        let place = Place { channel: Some(topic::FIELD), time_ns: Some(packed.time_ns), offset: None };
+        decode::unpack_step(packed, &self.manifest.field, place).map_err(first)
+    }
+
+    /// The same, its arrays left packed.
+    fn packed_step(self, k: u64, chunks: &[Packed]) -> Result<FieldStep, EffError> {
+        let secs = self.manifest.field.step_secs(k);
+        let mut step = None;
+        for chunk in chunks {
+            let channel = (self.channel_id.unwrap_or_default(), topic::FIELD);
+            chunk.each_message(channel, near(secs), &mut |message, place| {
+                let packed = decode::packed_step(message.data, self.manifest, place)?;
+                let stamp = Stamp { index: packed.index, time_ns: packed.time_ns };
+                let mut findings = Findings::first_error();
+                check::stamp(stamp, k, secs, message.log_time, place, &mut findings);
+                step = Some(packed);
+                fail(findings)
+            })?;
+        }
+        step.ok_or_else(|| {
+            let place = Place { channel: Some(topic::FIELD), time_ns: time_ns(secs), offset: None };
+            place.finding(Code::Count, format!("step {k}"), "none at its time", "one").into()
+        })
+    }
+}
+
+/// From when to when the message of a time is looked for, ns: another program may round a half nanosecond the other way.
+fn near(secs: f64) -> (u64, u64) {
+    let time = time_ns(secs).unwrap_or(u64::MAX);
+    (time.saturating_sub(1), time.saturating_add(1))
+}
+
 /// What is done with a message.
 type Take<'a> = &'a mut dyn FnMut(Message<'_>, Place<'_>) -> Result<(), EffError>;
 
-/// Passes the messages of a topic on, in order; of those chunks only that hold times `within`.
+/// Passes all messages of a topic on, in order.
 fn each_message<R: Read + Seek>(
     input: &mut R,
     index: &Index,
     topic: &'static str,
-    within: Option<(u64, u64)>,
     take: Take<'_>,
 ) -> Result<(), EffError> {
     let Some(channel_id) = index.channel(topic) else { return Ok(()) };
-    let (first, last) = within.unwrap_or((0, u64::MAX));
-    for chunk in index.chunks_within(channel_id, first, last) {
-        let unpacked = read_chunk(input, chunk)?;
-        let place = Place { channel: Some(topic), ..at(chunk.offset) };
+    for facts in index.chunks_within(channel_id, 0, u64::MAX) {
+        load(input, facts)?.each_message((channel_id, topic), (0, u64::MAX), take)?;
+    }
+    Ok(())
+}
+
+/// A chunk's record as it lies in the file, and what its index says of it.
+struct Packed {
+    facts: ChunkFacts,
+    bytes: Vec<u8>,
+}
+
+/// Reads a chunk where its index says it is.
+fn load<R: Read + Seek>(input: &mut R, facts: &ChunkFacts) -> Result<Packed, EffError> {
+    input.seek(SeekFrom::Start(facts.offset))?;
+    let mut bytes = Vec::new();
+    input.by_ref().take(facts.length).read_to_end(&mut bytes)?;
+    Ok(Packed { facts: facts.clone(), bytes })
+}
+
+impl Packed {
+    /// Unpacks it and passes on the messages of a channel at times from `first` to `last`, ns.
+    fn each_message(
+        &self,
+        (channel_id, topic): (u16, &'static str),
+        (first, last): (u64, u64),
+        take: Take<'_>,
+    ) -> Result<(), EffError> {
+        let unpacked = self.unpack()?;
+        let place = Place { channel: Some(topic), ..at(self.facts.offset) };
         for record in records_in(&unpacked) {
             let Ok(InChunk { opcode, body, .. }) = record else {
                 return Err(place
@@ -225,31 +288,29 @@ fn each_message<R: Read + Seek>(
                 _ => {}
             }
         }
+        Ok(())
     }
-    Ok(())
-}
 
-/// Reads a chunk where its index says it is, and unpacks it.
-fn read_chunk<R: Read + Seek>(input: &mut R, facts: &ChunkFacts) -> Result<Vec<u8>, EffError> {
-    let place = at(facts.offset);
-    input.seek(SeekFrom::Start(facts.offset))?;
-    let mut bytes = Vec::new();
-    input.by_ref().take(facts.length).read_to_end(&mut bytes)?;
-    let stray = || place.finding(Code::Summary, "chunk index", "an index of something else", "a chunk's");
-    let Some((prefix, body)) = bytes.split_first_chunk::<{ record::PREFIX as usize }>() else {
-        return Err(stray().into());
-    };
-    let Ok(Record::Chunk(chunk)) = record::parse(prefix[0], body) else { return Err(stray().into()) };
-    let found = (chunk.start_time, chunk.end_time, chunk.uncompressed_size, chunk.data.len() as u64);
-    let expected = (facts.start_time, facts.end_time, facts.uncompressed_size, facts.compressed_size);
-    if found != expected || prefix[1..] != (body.len() as u64).to_le_bytes() {
-        return Err(stray().into());
+    /// Its records.
+    fn unpack(&self) -> Result<Vec<u8>, EffError> {
+        let Self { facts, bytes } = self;
+        let place = at(facts.offset);
+        let stray = || place.finding(Code::Summary, "chunk index", "an index of something else", "a chunk's");
+        let Some((prefix, body)) = bytes.split_first_chunk::<{ record::PREFIX as usize }>() else {
+            return Err(stray().into());
+        };
+        let Ok(Record::Chunk(chunk)) = record::parse(prefix[0], body) else { return Err(stray().into()) };
+        let found = (chunk.start_time, chunk.end_time, chunk.uncompressed_size, chunk.data.len() as u64);
+        let expected = (facts.start_time, facts.end_time, facts.uncompressed_size, facts.compressed_size);
+        if found != expected || prefix[1..] != (body.len() as u64).to_le_bytes() {
+            return Err(stray().into());
+        }
+        let unpacked = unpack(&chunk, place)?;
+        let mut findings = Findings::first_error();
+        check_crc(Code::ChunkCrc, chunk.uncompressed_crc, crc32fast::hash(&unpacked), place, &mut findings);
+        fail(findings)?;
+        Ok(unpacked)
     }
-    let unpacked = unpack(&chunk, place)?;
-    let mut findings = Findings::first_error();
-    check_crc(Code::ChunkCrc, chunk.uncompressed_crc, crc32fast::hash(&unpacked), place, &mut findings);
-    fail(findings)?;
-    Ok(unpacked)
 }
 
 /// The first error as an error.

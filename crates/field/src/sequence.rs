@@ -49,7 +49,12 @@ pub enum VoxelFlag {
 impl VoxelFlag {
     /// The flag of a byte in a file; `None` for a byte that means nothing.
     pub fn from_byte(byte: u8) -> Option<Self> {
-        [Self::Outside, Self::Interpolated, Self::Measured].into_iter().find(|f| *f as u8 == byte)
+        match byte {
+            0 => Some(Self::Outside),
+            1 => Some(Self::Interpolated),
+            2 => Some(Self::Measured),
+            _ => None,
+        }
     }
 }
 
@@ -88,6 +93,13 @@ pub enum FieldError {
         /// The value.
         found: f64,
     },
+}
+
+/// Whether no number is NaN or infinite: a quick pass, before a slow one that says where.
+pub fn all_finite(numbers: &[f32]) -> bool {
+    // As whole numbers their sizes are in order, with infinity and NaN last; a maximum of these is vector code.
+    let size = |number: &f32| (number.to_bits() & 0x7fff_ffff) as i32;
+    numbers.iter().map(size).fold(0, i32::max) < f32::INFINITY.to_bits() as i32
 }
 
 impl Field {
@@ -259,9 +271,7 @@ impl FieldSequence {
                     return Err(FieldError::BadSize { step, what, found, expected });
                 }
             }
-            // All first, in one quick pass; then where.
-            let all_finite = field.u.iter().fold(true, |all, c| all & c.is_finite());
-            let found = if all_finite { None } else { field.u.iter().position(|c| !c.is_finite()) };
+            let found = if all_finite(&field.u) { None } else { field.u.iter().position(|c| !c.is_finite()) };
             if let Some(at) = found {
                 let voxel = Some(self.grid.unflat(at % n).0);
                 return Err(FieldError::NotFinite { step, voxel, found: f64::from(field.u[at]) });

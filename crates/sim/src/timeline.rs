@@ -77,7 +77,7 @@ pub(crate) enum Runs {
 const TOGETHER_FROM: usize = 6_000;
 
 /// More points that ask for each step of the field than this share of its voxels, and it is laid out before they do.
-const LAID_OUT_FROM: f64 = 0.1;
+const LAID_OUT_FROM: f64 = 0.2;
 
 impl StepScene<'_> {
     /// Velocity of the body's surface at points of head space, m/s: the torso moves as the head sees it.

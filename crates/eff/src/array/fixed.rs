@@ -5,7 +5,7 @@
 //! n-dimensional scalar fields", the Lorenzo predictor). What is left after that prediction is what remains
 //! after taking differences along z, then y, then x; so a reader takes running sums along each axis.
 
-use super::{Shape, Unpackable, bytes_of, planes};
+use super::{Shape, Unpackable, planes};
 use crate::wire::proto::{self, Encoding};
 
 /// Packs numbers as multiples of a quantum that keeps every one within `max_error`, what a float rounds
@@ -32,11 +32,11 @@ pub(super) fn pack(values: &[f32], shape: Shape, max_error: f64) -> Result<proto
     if multiples.iter().all(|m| i16::try_from(*m).is_ok()) {
         let narrow: Vec<i16> = multiples.iter().map(|m| *m as i16).collect();
         let left = differences(narrow, shape, i16::wrapping_sub);
-        let data = planes::split(&bytes_of(&left, |d| ((d << 1) ^ (d >> 15)).to_le_bytes()));
+        let data = planes::split_16(&left, |d| ((d << 1) ^ (d >> 15)) as u16);
         Ok(proto::Array { encoding: Encoding::Fixed16 as i32, quantum, data })
     } else {
         let left = differences(multiples, shape, i32::wrapping_sub);
-        let data = planes::split(&bytes_of(&left, |d| ((d << 1) ^ (d >> 31)).to_le_bytes()));
+        let data = planes::split_32(&left, |d| ((d << 1) ^ (d >> 31)) as u32);
         Ok(proto::Array { encoding: Encoding::Fixed32 as i32, quantum, data })
     }
 }
@@ -44,17 +44,11 @@ pub(super) fn pack(values: &[f32], shape: Shape, max_error: f64) -> Result<proto
 /// The numbers that [`pack`] packed; `width` bytes each, 2 or 4.
 pub(super) fn unpack(data: &[u8], width: usize, quantum: f64, shape: Shape) -> Vec<f32> {
     if width == 2 {
-        let left = planes::join(data)
-            .into_iter()
-            .map(u16::from_le_bytes)
-            .map(|d| (d >> 1) as i16 ^ -((d & 1) as i16));
+        let left = planes::join_16(data).map(|d| (d >> 1) as i16 ^ -((d & 1) as i16));
         let multiples = sums(left.collect(), shape, i16::wrapping_add);
         multiples.into_iter().map(|m| (f64::from(m) * quantum) as f32).collect()
     } else {
-        let left = planes::join(data)
-            .into_iter()
-            .map(u32::from_le_bytes)
-            .map(|d| (d >> 1) as i32 ^ -((d & 1) as i32));
+        let left = planes::join_32(data).map(|d| (d >> 1) as i32 ^ -((d & 1) as i32));
         let multiples = sums(left.collect(), shape, i32::wrapping_add);
         multiples.into_iter().map(|m| (f64::from(m) * quantum) as f32).collect()
     }

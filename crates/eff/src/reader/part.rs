@@ -1,5 +1,6 @@
 use super::Reader;
 use crate::{Eff, EffError, ReadOptions};
+use rayon::prelude::*;
 use std::io::{Read, Seek};
 use std::ops::RangeInclusive;
 use tousle_core::Vec3;
@@ -52,11 +53,8 @@ impl<R: Read + Seek> Reader<R> {
         if needed > options.max_memory {
             return Err(EffError::TooLarge { needed, allowed: options.max_memory });
         }
-        let mut fields = Vec::new();
         let start_secs = info.step_secs(*steps.start());
-        for k in steps {
-            fields.extend(self.step(k)?.map(|step| crop.apply(step)));
-        }
+        let fields = self.steps(steps, &crop)?;
         let scene = self.scene()?;
         Ok(Eff {
             name: self.manifest.name.clone(),
@@ -75,7 +73,34 @@ impl<R: Read + Seek> Reader<R> {
             attachments: Vec::new(),
         })
     }
+
+    /// Reads some steps: what lies in the file one after the other, and what that takes to unpack side by side.
+    fn steps(&mut self, steps: RangeInclusive<u64>, crop: &Crop) -> Result<Vec<Field>, EffError> {
+        let mut fields = Vec::new();
+        if self.n_steps() == 0 {
+            return Ok(fields);
+        }
+        let at_once = PACKED_A_THREAD * rayon::current_num_threads();
+        for first in steps.clone().step_by(at_once) {
+            let some = first..=(first + at_once as u64 - 1).min(*steps.end());
+            let packed: Vec<_> =
+                some.map(|k| Ok((k, self.load_step(k)?))).collect::<Result<_, EffError>>()?;
+            let unpacker = self.unpacker();
+            let unpacked: Vec<_> = packed
+                .into_par_iter()
+                .map(|(k, chunks)| unpacker.step(k, &chunks).map(|step| crop.apply(step)))
+                .collect();
+            // The first step that is not sound is the one to speak of, whoever came to it first.
+            for field in unpacked {
+                fields.push(field?);
+            }
+        }
+        Ok(fields)
+    }
 }
+
+/// How many packed steps are held for each thread.
+const PACKED_A_THREAD: usize = 8;
 
 /// The whole numbers around a span, none past the last one. A NaN asks for everything.
 fn around(first: f64, last: f64, end: u64) -> RangeInclusive<u64> {

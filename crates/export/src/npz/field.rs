@@ -31,7 +31,7 @@ pub fn write_field_npz(field: &FieldSequence, out: impl Write + Seek) -> Result<
     let steps = &flat.steps;
     let [x, y, z] = flat.grid.dims;
     let n_steps = steps.len();
-    let mut npz = NpzWriter::new(out);
+    let mut npz = NpzWriter::packed(out);
     npz.array("t", &[n_steps], (0..n_steps).map(|k| flat.time_secs(k)))?;
     npz.array("origin", &[3], flat.grid.origin_m.iter().copied())?;
     npz.array("edge", &[], std::iter::once(flat.grid.edge_m))?;

@@ -21,7 +21,7 @@ const MAX_BYTES: u64 = 1 << 32;
 /// [`ExportError::Io`] if `out` takes no more.
 pub fn write_motion_npz(motion: &StrandMotion, out: impl Write + Seek) -> Result<(), ExportError> {
     check_motion(motion)?;
-    let mut npz = NpzWriter::new(out);
+    let mut npz = NpzWriter::plain(out);
     let n_frames = motion.times_secs.len();
     npz.array("t", &[n_frames], motion.times_secs.iter().copied())?;
     npz.array("pos", &[n_frames, motion.n_points(), 3], motion.positions_m.iter().flatten().copied())?;

@@ -20,7 +20,7 @@ const ROTATION_TOLERANCE: f64 = 1e-3;
 /// [`ExportError::Io`] if `out` takes no more.
 pub fn write_poses_npz(poses: &PoseTrack, out: impl Write + Seek) -> Result<(), ExportError> {
     let n = poses.poses.len();
-    let mut npz = NpzWriter::new(out);
+    let mut npz = NpzWriter::packed(out);
     npz.array("t", &[n], (0..n).map(|k| poses.start_secs + k as f64 / poses.rate_hz))?;
     let matrices = poses.poses.iter().map(|p| p.rotation.to_rotation_matrix().into_inner());
     npz.array("R", &[n, 3, 3], matrices.flat_map(|m| m.transpose().iter().copied().collect::<Vec<f64>>()))?;
@@ -134,7 +134,7 @@ mod tests {
     #[test]
     fn a_mirror_is_no_rotation() {
         let mut out = Cursor::new(Vec::new());
-        let mut npz = NpzWriter::new(&mut out);
+        let mut npz = NpzWriter::packed(&mut out);
         npz.array("t", &[1], [0.0_f64].into_iter()).unwrap();
         npz.array("R", &[1, 3, 3], [-1.0_f64, 0., 0., 0., 1., 0., 0., 0., 1.].into_iter()).unwrap();
         npz.array("p", &[1, 3], [0.0_f64; 3].into_iter()).unwrap();

@@ -17,6 +17,7 @@ const BATCH: usize = 1 << 16;
 /// A `.npz` being written, one array after the other.
 pub(crate) struct NpzWriter<W: Write + Seek> {
     zip: ZipWriter<W>,
+    packing: CompressionMethod,
 }
 
 /// A number as it lies in the file.
@@ -44,8 +45,15 @@ value!(i64, I8);
 value!(u8, U1);
 
 impl<W: Write + Seek> NpzWriter<W> {
-    pub(crate) fn new(out: W) -> Self {
-        Self { zip: ZipWriter::new(out) }
+    /// For arrays that deflate makes smaller. Level 1 is what pays for floating-point numbers: level 6 takes three times
+    /// as long for a tenth less (`tests/timing.rs`).
+    pub(crate) fn packed(out: W) -> Self {
+        Self { zip: ZipWriter::new(out), packing: CompressionMethod::Deflated }
+    }
+
+    /// For arrays that it does not: places of hair become 3 % smaller, for as much time as the hair took to simulate.
+    pub(crate) fn plain(out: W) -> Self {
+        Self { zip: ZipWriter::new(out), packing: CompressionMethod::Stored }
     }
 
     /// Adds an array, first axis slowest. `values` gives as many as the shape has.
@@ -86,11 +94,10 @@ impl<W: Write + Seek> NpzWriter<W> {
 
     fn start(&mut self, key: &str, dtype: Dtype, shape: &[usize]) -> io::Result<()> {
         let n_bytes = shape.iter().fold(dtype.size() as u64, |n, axis| n.saturating_mul(*axis as u64));
-        // No clock, no system, no user: the archive is a function of the arrays. Level 1 is what pays for
-        // floating-point numbers: level 6 takes three times as long for a tenth less (`tests/timing.rs`).
+        // No clock, no system, no user: the archive is a function of the arrays.
         let options = SimpleFileOptions::default()
-            .compression_method(CompressionMethod::Deflated)
-            .compression_level(Some(1))
+            .compression_method(self.packing)
+            .compression_level((self.packing == CompressionMethod::Deflated).then_some(1))
             .last_modified_time(DateTime::default())
             .unix_permissions(0o644)
             .system(System::Unix)
