@@ -22,7 +22,7 @@ use tousle_core::{HeadCapture, NoProgress, Progress, STANDARD_GRAVITY, UpAxis};
 use tousle_field::{FieldSequence, GridSpec, Scene};
 use tousle_fit::{Fit, FitMethod, FitOptions, Wig};
 use tousle_pipeline::{Input, PrepareOptions, Prepared, Silent, prepare};
-use tousle_raster::{RasterMethod, RasterOptions};
+use tousle_raster::{Raster, RasterMethod, RasterOptions};
 use tousle_refine::RefineReport;
 use tousle_sim::{Method, SimOptions};
 
@@ -169,12 +169,12 @@ fn measure(
         _ => RasterMethod::Physical,
     };
     let grid = GridSpec::cube(EXTENT_M, setting.edge_m).map_err(failed(name, "the grid"))?;
-    let lay = |fit: &Fit, with_sd: bool| {
-        let options = RasterOptions { method, grid, with_sd };
+    let lay = |fit: &Fit| {
+        let options = RasterOptions { method, grid };
         tousle_raster::rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &options, &NoProgress)
     };
-    let (fit, refined) = match &setting.refine {
-        None => (fit, None),
+    let (fit, laid, refined) = match &setting.refine {
+        None => (fit, None, None),
         Some(refine) => {
             let measured = tousle_refine::Measured {
                 head: &cleaned.head,
@@ -183,12 +183,18 @@ fn measure(
                 options: &fit_options,
                 scene: &scene,
             };
-            let lay = |fit: &Fit| Ok(lay(fit, false)?.sequence);
+            let lay = |fit: &Fit| Ok(lay(fit)?.sequence);
             let refined = tousle_refine::refine(fit, &measured, &lay, refine, &NoProgress)
                 .map_err(failed(name, "refining"))?;
-            (refined.fit, Some(refined.report))
+            (refined.fit, refined.field, Some(refined.report))
         }
     };
-    let raster = lay(&fit, true).map_err(failed(name, "filling the grid"))?;
+    let mut raster = match laid {
+        Some(sequence) => Raster::of(sequence, &fit.samples),
+        None => lay(&fit).map_err(failed(name, "filling the grid"))?,
+    };
+    if let Some(air) = &fit.air {
+        tousle_raster::add_deviations(&mut raster, air, &NoProgress);
+    }
     Ok(Measured { field: raster.sequence, scene, wig: fit.wig, refined })
 }

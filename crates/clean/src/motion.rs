@@ -1,7 +1,6 @@
 //! How markers move from frame to frame, as the capture itself shows it.
 
-use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::sync::OnceLock;
 use tousle_core::{Track, Vec3};
 
 /// Degrees of freedom of the tails: hair is whipped and caught, so jumps of many times the usual occur.
@@ -14,12 +13,14 @@ pub(crate) struct Continuity<'a> {
     tracks: &'a [Track],
     /// White noise of a coordinate, m: nothing is smoother than that.
     noise_m: f64,
-    scales: RefCell<BTreeMap<(usize, usize), f64>>,
+    /// By marker, then by frames from an end to the other, once someone asks.
+    scales: Vec<Vec<OnceLock<f64>>>,
 }
 
 impl<'a> Continuity<'a> {
     pub(crate) fn new(tracks: &'a [Track], noise_m: f64) -> Self {
-        Self { tracks, noise_m, scales: RefCell::default() }
+        let of = |track: &Track| (0..track.n_frames()).map(|_| OnceLock::new()).collect();
+        Self { tracks, noise_m, scales: tracks.iter().map(of).collect() }
     }
 
     /// Negative log likelihood that `after`, first seen at `end`, goes on where `before`, last seen at
@@ -45,20 +46,18 @@ impl<'a> Continuity<'a> {
     /// Scale of the mismatch per coordinate over `n_frames`, m: such that two thirds of this marker's own are
     /// within it. A swapped label here and there does not move that.
     fn scale(&self, marker: usize, n_frames: usize) -> f64 {
-        if let Some(scale) = self.scales.borrow().get(&(marker, n_frames)) {
-            return *scale;
-        }
-        let track = &self.tracks[marker];
-        let starts = 0..track.n_frames().saturating_sub(n_frames);
-        let mut misses: Vec<f64> =
-            starts.filter_map(|f| Some(mismatch(track, track, (f, f + n_frames))?.norm())).collect();
-        misses.sort_by(f64::total_cmp);
-        // |x| of three coordinates at scale 1 has its 68 % point at 1.87.
-        let usual = misses.get(misses.len() * 68 / 100).map_or(f64::NAN, |m| m / 1.87);
-        // Never smoother than noise; a marker never seen that long apart is judged by its whole wander.
-        let scale = if usual.is_nan() { self.wander(marker) } else { usual }.max(self.noise_m).max(1e-6);
-        self.scales.borrow_mut().insert((marker, n_frames), scale);
-        scale
+        *self.scales[marker][n_frames].get_or_init(|| {
+            let track = &self.tracks[marker];
+            let starts = 0..track.n_frames().saturating_sub(n_frames);
+            let mut misses: Vec<f64> =
+                starts.filter_map(|f| Some(mismatch(track, track, (f, f + n_frames))?.norm())).collect();
+            let at = misses.len() * 68 / 100;
+            // |x| of three coordinates at scale 1 has its 68 % point at 1.87.
+            let usual =
+                (!misses.is_empty()).then(|| *misses.select_nth_unstable_by(at, f64::total_cmp).1 / 1.87);
+            // Never smoother than noise; a marker never seen that long apart is judged by its whole wander.
+            usual.unwrap_or_else(|| self.wander(marker)).max(self.noise_m).max(1e-6)
+        })
     }
 
     fn wander(&self, marker: usize) -> f64 {

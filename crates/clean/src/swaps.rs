@@ -2,6 +2,7 @@
 
 use crate::lock::Locks;
 use crate::motion::Continuity;
+use rayon::prelude::*;
 use tousle_core::Track;
 
 /// Labels exchanged in `frames` (from 0, the end excluded).
@@ -81,8 +82,10 @@ fn best_exchange(
     };
     let mut best: Option<(f64, Exchange)> = None;
     for b in (0..tracks.len()).filter(|b| broken(b) == Some(true)) {
-        for a in (0..tracks.len()).filter(|a| *a != b) {
-            let Some(gain) = gain(tracks, continuity, frame, a, b) else { continue };
+        let gain = |a: usize| if a == b { None } else { gain(tracks, continuity, frame, a, b) };
+        let gains: Vec<Option<f64>> = (0..tracks.len()).into_par_iter().map(gain).collect();
+        for (a, gain) in gains.into_iter().enumerate() {
+            let Some(gain) = gain else { continue };
             if gain > least_gain && best.as_ref().is_none_or(|(g, _)| gain > *g) {
                 let jump_m = (tracks[b].at(frame)? - tracks[b].at(step_at(&tracks[b], frame)?.0)?).norm();
                 let odds = libm::exp((least_gain - gain).max(-50.0));

@@ -52,7 +52,7 @@ impl Lee {
         }
         let across2 = (from_center_m - self.direction * along).norm_squared();
         let behind = f64::max(along - self.half_length_m, 0.0) / (2.0 * self.radius_m);
-        let fade = libm::cbrt(1.0 + behind);
+        let fade = if behind > 0.0 { libm::cbrt(1.0 + behind) } else { 1.0 };
         let width2 = self.radius_m * self.radius_m * fade * fade;
         if across2 > BELL_ENDS * width2 {
             return 0.0;

@@ -6,7 +6,7 @@ use tousle_field::{GridError, GridSpec, Scene};
 use tousle_fit::{Fit, FitError, FitMethod, FitOptions, Wig};
 use tousle_head::HeadError;
 use tousle_ingest::{CheckError, IngestError, SessionError};
-use tousle_raster::{RasterError, RasterMethod, RasterOptions};
+use tousle_raster::{Raster, RasterError, RasterMethod, RasterOptions};
 use tousle_refine::{Measured, RefineError, RefineOptions};
 
 /// A file's name, for messages, and its bytes.
@@ -151,14 +151,14 @@ pub fn convert(
         air_density: known.air_density,
         body: known.body.clone(),
     };
-    let lay = |fit: &Fit, with_sd: bool, progress: &dyn Progress| {
-        let raster_options = RasterOptions { method: raster_method(&options.fit), grid, with_sd };
+    let lay = |fit: &Fit, progress: &dyn Progress| {
+        let raster_options = RasterOptions { method: raster_method(&options.fit), grid };
         tousle_raster::rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &raster_options, progress)
     };
     // Whoever wants locks held out is told if the method knows no wig; the round by default is left out.
     let refine = options.refine.as_ref().filter(|refine| fit.wig.is_some() || refine.held_out.is_some());
-    let (fit, refined) = match refine {
-        None => (fit, None),
+    let (fit, laid, refined) = match refine {
+        None => (fit, None, None),
         Some(refine) => {
             let stage = watch.stage("refine");
             let measured = Measured {
@@ -168,14 +168,20 @@ pub fn convert(
                 options: &fit_options,
                 scene: &scene,
             };
-            let lay = |fit: &Fit| Ok(lay(fit, false, &NoProgress)?.sequence);
+            let lay = |fit: &Fit| Ok(lay(fit, &NoProgress)?.sequence);
             let refined = tousle_refine::refine(fit, &measured, &lay, refine, &*stage)?;
-            (refined.fit, Some(refined.report))
+            (refined.fit, refined.field, Some(refined.report))
         }
     };
 
     let stage = watch.stage("raster");
-    let raster = lay(&fit, true, &*stage)?;
+    let mut raster = match laid {
+        Some(sequence) => Raster::of(sequence, &fit.samples),
+        None => lay(&fit, &*stage)?,
+    };
+    if let Some(air) = &fit.air {
+        tousle_raster::add_deviations(&mut raster, air, &*stage);
+    }
     drop(stage);
 
     let mut report = ConversionReport {

@@ -9,7 +9,7 @@ mod physical;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicU64, Ordering};
-use tousle_core::{Progress, Vec3, WindSamples};
+use tousle_core::{Progress, Vec3, WindSample, WindSamples};
 use tousle_field::{Field, FieldSequence, GridSpec, VoxelFlag};
 use tousle_flow::AirFlow;
 
@@ -31,9 +31,6 @@ pub struct RasterOptions {
     pub method: RasterMethod,
     /// Where the voxels are.
     pub grid: GridSpec,
-    /// Whether standard deviations are wanted, which take as long as all the rest; without them nothing is `Interpolated`. Only
-    /// the method `physical` knows any.
-    pub with_sd: bool,
 }
 
 /// The field, and what happened on the way.
@@ -91,8 +88,9 @@ pub enum RasterError {
 /// Fills the grid with wind from samples and the wind outside.
 ///
 /// In: head-space samples by time step and one outside vector a step, in the same quantity. Out: a vector and a
-/// flag for each voxel center and step. Steps are independent of one another and run in parallel; the result
-/// does not depend on the number of threads.
+/// flag for each voxel center and step; how sure they are, and with the method `physical` which are `Interpolated`,
+/// [`add_deviations`] says. Steps are independent of one another and run in parallel; the result does not depend on the number
+/// of threads.
 ///
 /// # Errors
 /// [`RasterError`] if there is no step, the outside does not match, or no sample lies in the grid.
@@ -111,16 +109,15 @@ pub fn rasterize(
         return Err(RasterError::OutsideMismatch { found: outside.len(), expected: n_steps });
     }
     let grid = options.grid;
-    let n_samples: u64 = samples.steps.iter().map(|s| s.len() as u64).sum();
-    let n_inside = samples.steps.iter().flatten().filter(|s| grid.contains(s.position_m)).count() as u64;
-    if n_inside == 0 {
+    if !samples.steps.iter().flatten().any(|sample| grid.contains(sample.position_m)) {
+        let n_samples = samples.steps.iter().map(|step| step.len() as u64).sum();
         let extent_mm = grid.dims[0] as f64 * grid.edge_m * 1e3;
         return Err(RasterError::NothingInGrid { n_samples, extent_mm });
     }
     let done = AtomicU64::new(0);
     let laid = match (options.method, air) {
         (RasterMethod::Paper, _) => None,
-        (RasterMethod::Physical, Some(air)) => Some(physical::Voxels::new(&grid, air, options.with_sd)),
+        (RasterMethod::Physical, Some(air)) => Some(physical::Voxels::new(&grid, air)),
         (RasterMethod::Physical, None) => return Err(RasterError::NoAir),
     };
     let fill = |(step, (samples, outside)): (usize, (&Vec<_>, &Vec3))| {
@@ -132,20 +129,49 @@ pub fn rasterize(
         field
     };
     let steps: Vec<Field> = samples.steps.par_iter().zip(outside).enumerate().map(fill).collect();
-    let report = report(&steps, n_samples - n_inside);
     let (quantity, rate_hz) = (samples.quantity, samples.rate_hz);
     let sequence = FieldSequence { grid, quantity, start_secs: 0.0, rate_hz, steps, layers: Vec::new() };
-    Ok(Raster { sequence, report })
+    Ok(Raster::of(sequence, samples))
 }
 
-fn report(steps: &[Field], n_samples_outside: u64) -> RasterReport {
-    let count = |flag| steps.iter().flat_map(|s| &s.flags).filter(|f| **f == flag).count() as u64;
-    let empty = |step: &&Field| !step.flags.contains(&VoxelFlag::Measured);
-    RasterReport {
-        n_measured: count(VoxelFlag::Measured),
-        n_interpolated: count(VoxelFlag::Interpolated),
-        n_outside: count(VoxelFlag::Outside),
-        n_samples_outside,
-        n_steps_empty: steps.iter().filter(empty).count() as u64,
+/// Says how sure a field of the method `physical` is.
+///
+/// In: what [`rasterize`] made of the air. Adds a standard deviation for each voxel and step, and `Interpolated` where locks
+/// tell of the air. Steps run in parallel, as there.
+///
+/// # Panics
+/// If the field has more steps than the air.
+pub fn add_deviations(raster: &mut Raster, air: &AirFlow, progress: &dyn Progress) {
+    let Raster { sequence, report } = raster;
+    let deviations = physical::Deviations::new(&sequence.grid, air);
+    let (done, n_steps) = (AtomicU64::new(0), sequence.steps.len() as u64);
+    sequence.steps.par_iter_mut().enumerate().for_each(|(step, field)| {
+        deviations.add_to(field, step);
+        progress.at(done.fetch_add(1, Ordering::Relaxed) + 1, n_steps);
+    });
+    *report = RasterReport::of(&sequence.steps, report.n_samples_outside);
+}
+
+impl Raster {
+    /// A field that [`rasterize`] made of some samples.
+    pub fn of(sequence: FieldSequence, samples: &WindSamples) -> Self {
+        let is_outside = |sample: &&WindSample| !sequence.grid.contains(sample.position_m);
+        let n_samples_outside = samples.steps.iter().flatten().filter(is_outside).count() as u64;
+        let report = RasterReport::of(&sequence.steps, n_samples_outside);
+        Self { sequence, report }
+    }
+}
+
+impl RasterReport {
+    fn of(steps: &[Field], n_samples_outside: u64) -> Self {
+        let count = |flag| steps.iter().flat_map(|s| &s.flags).filter(|f| **f == flag).count() as u64;
+        let empty = |step: &&Field| !step.flags.contains(&VoxelFlag::Measured);
+        Self {
+            n_measured: count(VoxelFlag::Measured),
+            n_interpolated: count(VoxelFlag::Interpolated),
+            n_outside: count(VoxelFlag::Outside),
+            n_samples_outside,
+            n_steps_empty: steps.iter().filter(empty).count() as u64,
+        }
     }
 }

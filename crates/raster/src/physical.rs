@@ -9,8 +9,6 @@ pub(crate) struct Voxels<'a> {
     air: &'a AirFlow,
     /// What each voxel's center is to the air; `None` inside the head, where no air is.
     voxels: Vec<Option<Voxel>>,
-    /// Where the uncertainty is known; `None` if nobody wants it.
-    coarse: Option<Coarse>,
 }
 
 /// What a voxel's center is to the air.
@@ -19,33 +17,17 @@ struct Voxel {
     swirl: Option<SwirlPlace>,
 }
 
-/// A coarser lattice.
-struct Coarse {
-    /// Its points, and what the stream does there.
-    points: Vec<(Vec3, StreamAt)>,
-    /// By voxel of the grid, the points around it.
-    stencils: Vec<Stencil>,
-}
-
-/// Distance of the points at which the uncertainty is computed, m: it changes as slowly as swirls do.
-const COARSE_M: f64 = 0.06;
-
-/// Where the spread of the swirls is below this share of what it was before any lock was asked, a voxel is
-/// interpolated; elsewhere it is the stream outside.
-const KNOWN_SHARE: f64 = 0.75;
-
 impl<'a> Voxels<'a> {
-    pub(crate) fn new(grid: &'a GridSpec, air: &'a AirFlow, with_sd: bool) -> Self {
+    pub(crate) fn new(grid: &'a GridSpec, air: &'a AirFlow) -> Self {
         let voxel = |flat| {
             let center_m = grid.cell_center_m(grid.unflat(flat));
             let of_air = || Voxel { stream: air.stream.at(center_m), swirl: air.modes.place(center_m) };
             (!air.stream.is_solid(center_m)).then(of_air)
         };
-        let voxels = (0..grid.n_voxels()).into_par_iter().map(voxel).collect();
-        Self { grid, air, voxels, coarse: with_sd.then(|| Coarse::of(grid, air)) }
+        Self { grid, air, voxels: (0..grid.n_voxels()).into_par_iter().map(voxel).collect() }
     }
 
-    /// The air at a step: the most likely velocity at each center, how sure it is, and where it comes from.
+    /// The air at a step: the most likely velocity at each center, and where a marker was.
     pub(crate) fn fill_step(&self, step: usize, samples: &[WindSample]) -> Field {
         let state = &self.air.states[step];
         let mut field = Field { outside: state.outside(), ..Field::still(self.grid) };
@@ -58,9 +40,6 @@ impl<'a> Voxels<'a> {
             let (velocity, layer) = voxel.stream.velocity(&now);
             field.set_vector(flat, velocity + swirls.at(voxel.swirl.as_ref()) * layer);
         }
-        if let Some(coarse) = &self.coarse {
-            self.add_sd(&mut field, coarse, step);
-        }
         for sample in samples {
             if let Some(voxel) = self.grid.voxel_at(sample.position_m) {
                 field.flags[self.grid.flat(voxel)] = VoxelFlag::Measured;
@@ -68,37 +47,57 @@ impl<'a> Voxels<'a> {
         }
         field
     }
-
-    /// Adds how sure the air is, and flags where locks tell of it.
-    fn add_sd(&self, field: &mut Field, coarse: &Coarse, step: usize) {
-        let spreads_mps = self.air.spreads_mps(step, &coarse.points);
-        let swirl_mps = self.air.states[step].swirl_mps;
-        let mut sd = vec![0.0f32; self.grid.n_voxels()];
-        for (flat, _) in self.voxels.iter().enumerate().filter(|(_, voxel)| voxel.is_some()) {
-            let stencil = &coarse.stencils[flat];
-            let parts = stencil.flats.iter().zip(&stencil.weights);
-            let spread_mps: f64 = parts.map(|(point, weight)| spreads_mps[*point] * weight).sum();
-            sd[flat] = spread_mps as f32;
-            if spread_mps < KNOWN_SHARE * swirl_mps {
-                field.flags[flat] = VoxelFlag::Interpolated;
-            }
-        }
-        field.sd = Some(sd);
-    }
 }
 
-impl Coarse {
-    fn of(grid: &GridSpec, air: &AirFlow) -> Self {
+/// How sure the air is, known on a lattice coarser than the grid: it changes as slowly as swirls do.
+pub(crate) struct Deviations<'a> {
+    air: &'a AirFlow,
+    /// The lattice's points, and what the stream does there.
+    points: Vec<(Vec3, StreamAt)>,
+    /// By voxel of the grid, the points around it; `None` inside the head.
+    stencils: Vec<Option<Stencil>>,
+}
+
+/// Distance of the lattice's points, m.
+const COARSE_M: f64 = 0.06;
+
+/// Where the spread of the swirls is below this share of what it was before any lock was asked, a voxel is
+/// interpolated; elsewhere it is the stream outside.
+const KNOWN_SHARE: f64 = 0.75;
+
+impl<'a> Deviations<'a> {
+    pub(crate) fn new(grid: &GridSpec, air: &'a AirFlow) -> Self {
         let dims = grid.dims.map(|n| ((n as f64 * grid.edge_m / COARSE_M).ceil() as usize).max(1));
         let coarse = GridSpec { origin_m: grid.origin_m, edge_m: COARSE_M, dims };
         let point = |flat| {
             let point_m = coarse.cell_center_m(coarse.unflat(flat));
             (point_m, air.stream.at(point_m))
         };
-        let stencil = |flat| Stencil::at(&coarse, grid.cell_center_m(grid.unflat(flat)));
+        let stencil = |flat| {
+            let center_m = grid.cell_center_m(grid.unflat(flat));
+            (!air.stream.is_solid(center_m)).then(|| Stencil::at(&coarse, center_m))
+        };
         Self {
+            air,
             points: (0..coarse.n_voxels()).map(point).collect(),
             stencils: (0..grid.n_voxels()).map(stencil).collect(),
         }
+    }
+
+    /// Adds them to a step, and flags where locks tell of the air.
+    pub(crate) fn add_to(&self, field: &mut Field, step: usize) {
+        let spreads_mps = self.air.spreads_mps(step, &self.points);
+        let swirl_mps = self.air.states[step].swirl_mps;
+        let mut sd = vec![0.0f32; self.stencils.len()];
+        for (flat, stencil) in self.stencils.iter().enumerate() {
+            let Some(stencil) = stencil else { continue };
+            let parts = stencil.flats.iter().zip(&stencil.weights);
+            let spread_mps: f64 = parts.map(|(point, weight)| spreads_mps[*point] * weight).sum();
+            sd[flat] = spread_mps as f32;
+            if spread_mps < KNOWN_SHARE * swirl_mps && field.flags[flat] == VoxelFlag::Outside {
+                field.flags[flat] = VoxelFlag::Interpolated;
+            }
+        }
+        field.sd = Some(sd);
     }
 }

@@ -65,6 +65,8 @@ pub struct Measured<'a> {
 pub struct Refined {
     /// The wind; as it was before if nothing made it better.
     pub fit: Fit,
+    /// The same on its grid, if it was laid there for a comparison.
+    pub field: Option<FieldSequence>,
     /// What happened.
     pub report: RefineReport,
 }
@@ -144,7 +146,8 @@ fn with_all(
         }
     }
     progress.at(most_rounds as u64, most_rounds as u64);
-    Ok(Refined { fit: turn.fit, report: RefineReport { held_out: Vec::new(), rounds, kept } })
+    let report = RefineReport { held_out: Vec::new(), rounds, kept };
+    Ok(Refined { fit: turn.fit, field: Some(compared.field), report })
 }
 
 /// Goes as many rounds with all locks as serve those best that are held out.
@@ -180,5 +183,5 @@ fn with_some_held_out(
     progress.at(total, total);
     let name = |idx: &usize| around.measured.session.strands[*idx].name.clone();
     let report = RefineReport { held_out: held_out.iter().map(name).collect(), rounds, kept };
-    Ok(Refined { fit: turn.fit, report })
+    Ok(Refined { fit: turn.fit, field: None, report })
 }
