@@ -93,7 +93,7 @@ pub(crate) fn pack(values: &[f32], shape: Shape, encoding: Encoding) -> Result<p
             }
             let halves: Vec<u16> = values.iter().map(|v| f16::pack(*v)).collect();
             let data = planes::split_16(&halves, |half| half);
-            Ok(proto::Array { encoding: proto::Encoding::F16 as i32, quantum: 0.0, data })
+            Ok(proto::Array { encoding: proto::Encoding::F16 as i32, quantum: 0.0, data: data.into() })
         }
         Encoding::Fixed { max_error } => fixed::pack(values, shape, max_error),
     }
@@ -102,7 +102,7 @@ pub(crate) fn pack(values: &[f32], shape: Shape, encoding: Encoding) -> Result<p
 /// Packs numbers as they are.
 pub(crate) fn pack_f32(values: &[f32]) -> proto::Array {
     let data = planes::split_32(values, f32::to_bits);
-    proto::Array { encoding: proto::Encoding::F32 as i32, quantum: 0.0, data }
+    proto::Array { encoding: proto::Encoding::F32 as i32, quantum: 0.0, data: data.into() }
 }
 
 /// Packs numbers in half precision if all of them fit its range, as they are otherwise.
@@ -203,7 +203,7 @@ mod tests {
             data in prop::collection::vec(any::<u8>(), 0..40),
             dims in [0..4usize, 0..4, 0..4],
         ) {
-            let array = proto::Array { encoding, quantum, data };
+            let array = proto::Array { encoding, quantum, data: data.into() };
             let _ = unpack(&array, Shape { planes: 1, dims }, Place::default(), "u");
         }
     }
@@ -221,7 +221,7 @@ mod tests {
 
     #[test]
     fn an_unknown_encoding_is_named() {
-        let array = proto::Array { encoding: 9, quantum: 0.0, data: vec![0; 4] };
+        let array = proto::Array { encoding: 9, quantum: 0.0, data: vec![0; 4].into() };
         let finding = unpack(&array, Shape::list(1, 1), Place::default(), "u").unwrap_err();
         assert_eq!(finding.code, Code::Encoding);
         assert_eq!(

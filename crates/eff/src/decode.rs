@@ -11,6 +11,7 @@ use crate::wire::tags::{self, BadField, Fields};
 use crate::wire::v0::{self, FieldStepV0, ManifestV0, PoseStepV0};
 use crate::wire::{proto, scene};
 use crate::{Code, Finding, check};
+use prost::bytes::{Buf, Bytes};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::sync::LazyLock;
@@ -138,9 +139,9 @@ pub(crate) fn samples(payload: &[u8], place: Place<'_>) -> Result<(Stamp, Vec<Wi
     Ok((Stamp { index: message.index, time_ns: message.time_ns }, samples))
 }
 
-/// Decodes a step of the field and leaves its arrays packed.
+/// Decodes a step of the field and leaves its arrays packed, where they are in the payload.
 pub(crate) fn packed_step(
-    payload: &[u8],
+    payload: Bytes,
     manifest: &Manifest,
     place: Place<'_>,
 ) -> Result<FieldStep, Box<Finding>> {
@@ -160,7 +161,7 @@ pub(crate) fn step(
     manifest: &Manifest,
     place: Place<'_>,
 ) -> Result<(Stamp, Field), Vec<Finding>> {
-    let message = packed_step(payload, manifest, place).map_err(|f| vec![*f])?;
+    let message = packed_step(Bytes::copy_from_slice(payload), manifest, place).map_err(|f| vec![*f])?;
     let stamp = Stamp { index: message.index, time_ns: message.time_ns };
     Ok((stamp, unpack_step(message, &manifest.field, place)?))
 }
@@ -225,11 +226,11 @@ fn from_json<T: DeserializeOwned>(payload: &[u8], place: Place<'_>) -> Result<T,
 
 /// Decodes protobuf that holds fields of this version only.
 fn from_protobuf<M: prost::Message + Default>(
-    payload: &[u8],
+    payload: impl Buf + AsRef<[u8]>,
     fields: &Fields,
     place: Place<'_>,
 ) -> Result<M, Box<Finding>> {
-    tags::check(payload, fields).map_err(|bad| match bad {
+    tags::check(payload.as_ref(), fields).map_err(|bad| match bad {
         BadField::Unknown { path, number } => {
             let within = if path.is_empty() { "payload".to_owned() } else { path };
             place.finding(Code::UnknownField, within, format!("field {number}"), "fields of version 1")

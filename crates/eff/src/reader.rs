@@ -14,6 +14,7 @@ use crate::wire::proto::FieldStep;
 use crate::{Attachment, Code, EffError, check, decode};
 use index::Index;
 pub use part::Part;
+use prost::bytes::Bytes;
 use std::io::{Read, Seek, SeekFrom};
 use tousle_core::{Pose, PoseTrack, WindSample};
 use tousle_field::{Field, FieldLayer, Scene};
@@ -111,7 +112,8 @@ impl<R: Read + Seek> Reader<R> {
     }
 
     fn unpacker(&self) -> Unpacker<'_> {
-        Unpacker { manifest: &self.manifest, channel_id: self.index.channel(topic::FIELD) }
+        let channel_id = self.index.channel(topic::FIELD);
+        Unpacker { manifest: &self.manifest, channel_id, leaves_deviations: false }
     }
 
     /// Reads all attachments.
@@ -194,12 +196,15 @@ struct Unpacker<'a> {
     manifest: &'a Manifest,
     /// The channel of the field, if the file has one.
     channel_id: Option<u16>,
+    /// Whether standard deviations are left packed and dropped.
+    leaves_deviations: bool,
 }
 
 impl Unpacker<'_> {
     /// A step from the chunks that may hold it.
     fn step(self, k: u64, chunks: &[Packed]) -> Result<Field, EffError> {
-        let packed = self.packed_step(k, chunks)?;
+        let mut packed = self.packed_step(k, chunks)?;
+        packed.sd = packed.sd.filter(|_| !self.leaves_deviations);
         let place = Place { channel: Some(topic::FIELD), time_ns: Some(packed.time_ns), offset: None };
         decode::unpack_step(packed, &self.manifest.field, place).map_err(first)
     }
@@ -209,15 +214,17 @@ impl Unpacker<'_> {
         let secs = self.manifest.field.step_secs(k);
         let mut step = None;
         for chunk in chunks {
+            let unpacked = chunk.unpack()?;
             let channel = (self.channel_id.unwrap_or_default(), topic::FIELD);
-            chunk.each_message(channel, near(secs), &mut |message, place| {
-                let packed = decode::packed_step(message.data, self.manifest, place)?;
+            for message in chunk.messages(&unpacked, channel, near(secs)) {
+                let (message, place) = message?;
+                let packed = decode::packed_step(unpacked.slice_ref(message.data), self.manifest, place)?;
                 let stamp = Stamp { index: packed.index, time_ns: packed.time_ns };
                 let mut findings = Findings::first_error();
                 check::stamp(stamp, k, secs, message.log_time, place, &mut findings);
                 step = Some(packed);
-                fail(findings)
-            })?;
+                fail(findings)?;
+            }
         }
         step.ok_or_else(|| {
             let place = Place { channel: Some(topic::FIELD), time_ns: time_ns(secs), offset: None };
@@ -244,7 +251,12 @@ fn each_message<R: Read + Seek>(
 ) -> Result<(), EffError> {
     let Some(channel_id) = index.channel(topic) else { return Ok(()) };
     for facts in index.chunks_within(channel_id, 0, u64::MAX) {
-        load(input, facts)?.each_message((channel_id, topic), (0, u64::MAX), take)?;
+        let chunk = load(input, facts)?;
+        let unpacked = chunk.unpack()?;
+        for message in chunk.messages(&unpacked, (channel_id, topic), (0, u64::MAX)) {
+            let (message, place) = message?;
+            take(message, place)?;
+        }
     }
     Ok(())
 }
@@ -258,41 +270,42 @@ struct Packed {
 /// Reads a chunk where its index says it is.
 fn load<R: Read + Seek>(input: &mut R, facts: &ChunkFacts) -> Result<Packed, EffError> {
     input.seek(SeekFrom::Start(facts.offset))?;
-    let mut bytes = Vec::new();
+    // The index was found to lie within the file.
+    let mut bytes = Vec::with_capacity(facts.length as usize);
     input.by_ref().take(facts.length).read_to_end(&mut bytes)?;
     Ok(Packed { facts: facts.clone(), bytes })
 }
 
 impl Packed {
-    /// Unpacks it and passes on the messages of a channel at times from `first` to `last`, ns.
-    fn each_message(
+    /// The messages of a channel at times from `first` to `last`, ns, among its unpacked records.
+    fn messages<'a>(
         &self,
+        unpacked: &'a [u8],
         (channel_id, topic): (u16, &'static str),
         (first, last): (u64, u64),
-        take: Take<'_>,
-    ) -> Result<(), EffError> {
-        let unpacked = self.unpack()?;
+    ) -> impl Iterator<Item = Result<(Message<'a>, Place<'static>), EffError>> {
         let place = Place { channel: Some(topic), ..at(self.facts.offset) };
-        for record in records_in(&unpacked) {
+        let wanted = move |message: &Message<'_>| {
+            message.channel_id == channel_id && (first..=last).contains(&message.log_time)
+        };
+        records_in(unpacked).filter_map(move |record| {
             let Ok(InChunk { opcode, body, .. }) = record else {
-                return Err(place
-                    .finding(Code::Record, "record in chunk", "a part", "a whole record")
-                    .into());
+                let finding = place.finding(Code::Record, "record in chunk", "a part", "a whole record");
+                return Some(Err(finding.into()));
             };
-            match record::parse(opcode, body).map_err(|short| broken(place, opcode, body, short))? {
-                Record::Message(message)
-                    if message.channel_id == channel_id && (first..=last).contains(&message.log_time) =>
-                {
-                    take(message, Place { time_ns: Some(message.log_time), ..place })?;
+            match record::parse(opcode, body) {
+                Ok(Record::Message(message)) if wanted(&message) => {
+                    let time_ns = Some(message.log_time);
+                    Some(Ok((message, Place { time_ns, ..place })))
                 }
-                _ => {}
+                Ok(_) => None,
+                Err(short) => Some(Err(broken(place, opcode, body, short).into())),
             }
-        }
-        Ok(())
+        })
     }
 
     /// Its records.
-    fn unpack(&self) -> Result<Vec<u8>, EffError> {
+    fn unpack(&self) -> Result<Bytes, EffError> {
         let Self { facts, bytes } = self;
         let place = at(facts.offset);
         let stray = || place.finding(Code::Summary, "chunk index", "an index of something else", "a chunk's");
@@ -309,7 +322,7 @@ impl Packed {
         let mut findings = Findings::first_error();
         check_crc(Code::ChunkCrc, chunk.uncompressed_crc, crc32fast::hash(&unpacked), place, &mut findings);
         fail(findings)?;
-        Ok(unpacked)
+        Ok(unpacked.into())
     }
 }
 

@@ -10,6 +10,7 @@ use crate::wire::proto::FieldStep;
 use crate::{Code, EffError, VERSION, WriteReport, Writer, decode, record};
 pub(crate) use inventory::attachment_at;
 use inventory::{Inventory, Place as Where};
+use prost::bytes::Bytes;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::io::{Read, Seek, Write};
@@ -140,7 +141,7 @@ fn message<R: Read + Seek, T>(
 }
 
 fn packed_step<R: Read + Seek>(input: &mut R, old: &Manifest, at: Where) -> Result<FieldStep, EffError> {
-    message(input, at, |payload, place| Ok(decode::packed_step(payload, old, place)?))
+    message(input, at, |payload, place| Ok(decode::packed_step(Bytes::copy_from_slice(payload), old, place)?))
 }
 
 fn samples<R: Read + Seek>(input: &mut R, at: Where) -> Result<Vec<tousle_core::WindSample>, EffError> {

@@ -77,12 +77,12 @@ fn read_field(args: &SimulateArgs) -> anyhow::Result<Asked> {
     let mut reader = Reader::open(file).map_err(|e| unusable(e, path))?;
     let info = &reader.manifest().field;
     let options = options(args, info.quantity.into());
-    let mut part = Part::default();
+    let mut part = Part::default().without_deviations();
     part.span_secs = options.span_secs(info.start_secs);
     let of = reader.n_steps();
     let eff = reader.part(&part, &ReadOptions::default()).map_err(|e| unusable(e, path))?;
     let why = format!(
-        "{} of {of} steps are read; measured samples, previews and attachments stay in the file",
+        "{} of {of} steps are read; standard deviations, samples, previews and attachments stay in the file",
         eff.field.steps.len()
     );
     Ok(Asked { eff, options, plan: PlanEntry { term: "field".to_owned(), active: true, why } })

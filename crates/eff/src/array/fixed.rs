@@ -33,11 +33,11 @@ pub(super) fn pack(values: &[f32], shape: Shape, max_error: f64) -> Result<proto
         let narrow: Vec<i16> = multiples.iter().map(|m| *m as i16).collect();
         let left = differences(narrow, shape, i16::wrapping_sub);
         let data = planes::split_16(&left, |d| ((d << 1) ^ (d >> 15)) as u16);
-        Ok(proto::Array { encoding: Encoding::Fixed16 as i32, quantum, data })
+        Ok(proto::Array { encoding: Encoding::Fixed16 as i32, quantum, data: data.into() })
     } else {
         let left = differences(multiples, shape, i32::wrapping_sub);
         let data = planes::split_32(&left, |d| ((d << 1) ^ (d >> 31)) as u32);
-        Ok(proto::Array { encoding: Encoding::Fixed32 as i32, quantum, data })
+        Ok(proto::Array { encoding: Encoding::Fixed32 as i32, quantum, data: data.into() })
     }
 }
 

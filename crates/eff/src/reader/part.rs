@@ -1,4 +1,4 @@
-use super::Reader;
+use super::{Reader, Unpacker};
 use crate::{Eff, EffError, ReadOptions};
 use rayon::prelude::*;
 use std::io::{Read, Seek};
@@ -17,6 +17,8 @@ pub struct Part {
     pub span_secs: Option<[f64; 2]>,
     /// Two opposite corners of a box, the lower ones first, head space, m; the whole grid if `None`.
     pub box_m: Option<[Vec3; 2]>,
+    /// Whether the voxels' standard deviations stay in the file; a simulator has no use for them.
+    pub leaves_deviations: bool,
 }
 
 impl Part {
@@ -28,6 +30,11 @@ impl Part {
     /// This part within a box, head space, m.
     pub fn within_box_m(self, low: Vec3, high: Vec3) -> Self {
         Self { box_m: Some([low, high]), ..self }
+    }
+
+    /// This part without the voxels' standard deviations.
+    pub fn without_deviations(self) -> Self {
+        Self { leaves_deviations: true, ..self }
     }
 }
 
@@ -54,7 +61,7 @@ impl<R: Read + Seek> Reader<R> {
             return Err(EffError::TooLarge { needed, allowed: options.max_memory });
         }
         let start_secs = info.step_secs(*steps.start());
-        let fields = self.steps(steps, &crop)?;
+        let fields = self.steps(steps, part, &crop)?;
         let scene = self.scene()?;
         Ok(Eff {
             name: self.manifest.name.clone(),
@@ -75,7 +82,12 @@ impl<R: Read + Seek> Reader<R> {
     }
 
     /// Reads some steps: what lies in the file one after the other, and what that takes to unpack side by side.
-    fn steps(&mut self, steps: RangeInclusive<u64>, crop: &Crop) -> Result<Vec<Field>, EffError> {
+    fn steps(
+        &mut self,
+        steps: RangeInclusive<u64>,
+        part: &Part,
+        crop: &Crop,
+    ) -> Result<Vec<Field>, EffError> {
         let mut fields = Vec::new();
         if self.n_steps() == 0 {
             return Ok(fields);
@@ -85,7 +97,7 @@ impl<R: Read + Seek> Reader<R> {
             let some = first..=(first + at_once as u64 - 1).min(*steps.end());
             let packed: Vec<_> =
                 some.map(|k| Ok((k, self.load_step(k)?))).collect::<Result<_, EffError>>()?;
-            let unpacker = self.unpacker();
+            let unpacker = Unpacker { leaves_deviations: part.leaves_deviations, ..self.unpacker() };
             let unpacked: Vec<_> = packed
                 .into_par_iter()
                 .map(|(k, chunks)| unpacker.step(k, &chunks).map(|step| crop.apply(step)))

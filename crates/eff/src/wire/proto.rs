@@ -3,6 +3,8 @@
 //! Written by hand rather than generated: five messages are shorter than the build step that would generate
 //! them. A test compares every field with the descriptor that travels in the file.
 
+use prost::bytes::Bytes;
+
 /// One time step of the field.
 #[derive(Clone, PartialEq, prost::Message)]
 pub(crate) struct FieldStep {
@@ -12,8 +14,8 @@ pub(crate) struct FieldStep {
     pub time_ns: u64,
     #[prost(message, optional, tag = "3")]
     pub u: Option<Array>,
-    #[prost(bytes = "vec", tag = "4")]
-    pub flags: Vec<u8>,
+    #[prost(bytes = "bytes", tag = "4")]
+    pub flags: Bytes,
     #[prost(message, optional, tag = "5")]
     pub sd: Option<Array>,
     #[prost(message, optional, tag = "6")]
@@ -60,8 +62,8 @@ pub(crate) struct Array {
     pub encoding: i32,
     #[prost(double, tag = "2")]
     pub quantum: f64,
-    #[prost(bytes = "vec", tag = "3")]
-    pub data: Vec<u8>,
+    #[prost(bytes = "bytes", tag = "3")]
+    pub data: Bytes,
 }
 
 /// A vector.
@@ -108,7 +110,11 @@ mod tests {
     /// What we write, read by the descriptors that travel in the file: every field arrives, by its name.
     #[test]
     fn the_descriptors_read_what_we_write() {
-        let array = |encoding: Encoding| Array { encoding: encoding as i32, quantum: 0.25, data: vec![1, 2] };
+        let array = |encoding: Encoding| Array {
+            encoding: encoding as i32,
+            quantum: 0.25,
+            data: Bytes::from_static(&[1, 2]),
+        };
         let vector = Vector3 { x: 1.0, y: 2.0, z: 3.0 };
         let field = by_descriptor(
             "FieldStep",
@@ -116,7 +122,7 @@ mod tests {
                 index: 1,
                 time_ns: 2,
                 u: Some(array(Encoding::F16)),
-                flags: vec![3],
+                flags: Bytes::from_static(&[3]),
                 sd: Some(array(Encoding::F32)),
                 outside: Some(vector),
             },

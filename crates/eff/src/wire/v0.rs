@@ -124,7 +124,7 @@ impl FieldStepV0 {
             index: self.index,
             time_ns: self.time_ns,
             u: Some(array::pack_f32(&self.u)),
-            flags: self.flags,
+            flags: self.flags.into(),
             sd: None,
             outside: Some(proto::Vector3 { x, y, z }),
         })
