@@ -6,9 +6,10 @@ use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+use std::sync::LazyLock;
 use tousle_bench::Truth;
 use tousle_clean::{CleanOptions, CleanReport, Cleaned, clean};
-use tousle_core::{HeadCapture, Sample, SampleKind, Track, Vec3};
+use tousle_core::{HeadCapture, Sample, SampleKind, Session, Track, Vec3};
 use tousle_head::{HeadOptions, locate_head};
 use tousle_ingest::{IngestOptions, read_capture, read_session};
 use tousle_tests::{name, shared_captures};
@@ -16,8 +17,13 @@ use tousle_tests::{name, shared_captures};
 /// Gaps by length: the last frame count of each class.
 const CLASSES: [usize; 5] = [10, 20, 40, 80, usize::MAX];
 
+/// The captures, each cleaned once for all tests.
+static CASES: LazyLock<Vec<Case>> =
+    LazyLock::new(|| shared_captures().iter().map(|folder| Case::open(folder)).collect());
+
 /// A cleaned capture and what really was.
 struct Case {
+    session: Session,
     raw: HeadCapture,
     cleaned: Cleaned,
     /// True positions, head space, m, `[marker][frame]`, markers in the session's order.
@@ -44,7 +50,7 @@ impl Case {
         let truth = (0..n).map(track).collect();
         let facts = fs::read(folder.join("truth").join("truth.json")).unwrap();
         let events = serde_json::from_slice::<Value>(&facts).unwrap()["events"].clone();
-        Self { raw, cleaned, truth, events }
+        Self { session, raw, cleaned, truth, events }
     }
 
     fn report(&self) -> &CleanReport {
@@ -108,12 +114,11 @@ fn ghosts_refused(case: &Case) -> usize {
 
 #[test]
 fn swaps_are_found_pieces_given_back_and_ghosts_refused() {
-    for folder in shared_captures() {
-        let case = Case::open(&folder);
+    for case in &*CASES {
         let report = case.report();
         let (swaps, pieces, ghosts) =
             (case.swaps().len(), case.nameless("unlabelled piece").len(), case.nameless("ghost").len());
-        let (found, given, refused) = (swaps_found(&case), pieces_given_back(&case), ghosts_refused(&case));
+        let (found, given, refused) = (swaps_found(case), pieces_given_back(case), ghosts_refused(case));
         println!(
             "  swaps {found}/{swaps} ({} claimed), pieces {given}/{pieces} ({} given), ghosts {refused}/{ghosts}, spikes {}",
             report.swaps.len(),
@@ -148,11 +153,10 @@ struct Errors {
 
 #[test]
 fn gaps_are_filled_nearer_than_by_lines_and_splines() {
-    for folder in shared_captures() {
-        let case = Case::open(&folder);
+    for case in &*CASES {
         let mut classes: [Errors; 5] = Default::default();
         for (marker, (track, samples)) in case.tracks().enumerate() {
-            add_errors(&case, marker, track, samples, &mut classes);
+            add_errors(case, marker, track, samples, &mut classes);
         }
         println!("  gap frames |     n |   ours | expected | line | spline in head | in world   (rms, mm)");
         let mut total = Errors::default();
@@ -208,19 +212,15 @@ fn add_errors(case: &Case, marker: usize, track: &Track, samples: &[Sample], cla
 /// six captures have five swaps, too few to tell a share from.
 #[test]
 fn exchanges_made_by_us_are_found() {
-    for folder in shared_captures() {
-        let case = Case::open(&folder);
-        if !case.swaps().is_empty() {
-            continue;
-        }
-        let session = read_session(&fs::read(folder.join("session.json")).unwrap()).unwrap();
+    for case in CASES.iter().filter(|case| case.swaps().is_empty()) {
+        let session = &case.session;
         let labels: Vec<&str> =
             session.strands.iter().flat_map(|s| &s.markers).map(|m| m.label.as_str()).collect();
         let (mut made, mut found, mut claimed) = (0, 0, 0);
         for seed in 0..4u64 {
             let mut dirty = case.raw.clone();
             let exchanged = exchange_some(&mut dirty, seed);
-            let report = clean(&dirty, &session, &CleanOptions::default()).unwrap().report;
+            let report = clean(&dirty, session, &CleanOptions::default()).unwrap().report;
             let is_found = |(pair, first, last): &&([usize; 2], i64, i64)| {
                 let right = |s: &tousle_clean::SwapMended| {
                     BTreeSet::from(s.markers.each_ref().map(String::as_str))

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 use tousle_core::NoProgress;
 use tousle_eff::{ReadOptions, WriteOptions};
 use tousle_field::VoxelFlag;
@@ -20,6 +21,9 @@ fn by_paper() -> ConvertOptions {
     ConvertOptions { fit: FitOptions { method, ..FitOptions::default() }, ..ConvertOptions::default() }
 }
 
+/// The demo's capture, converted once for all tests.
+static DEMO: LazyLock<Converted> = LazyLock::new(|| converted(CAPTURE, SESSION));
+
 fn converted(capture: &[u8], session: &[u8]) -> Converted {
     convert(input(capture), input(session), &by_paper(), &Silent).unwrap()
 }
@@ -32,7 +36,7 @@ fn bytes(converted: &Converted) -> Vec<u8> {
 
 #[test]
 fn the_demo_capture_becomes_a_sound_field() {
-    let converted = converted(CAPTURE, SESSION);
+    let converted = &*DEMO;
     assert!(converted.report.losses.is_empty(), "{:?}", converted.report.losses);
     let field = &converted.eff.field;
     assert_eq!((field.steps.len(), field.grid.dims), (120, [30; 3]));
@@ -46,7 +50,7 @@ fn the_demo_capture_becomes_a_sound_field() {
     };
     assert!(strength(10) < 0.1, "{}", strength(10));
     assert!(strength(75) > 1.0, "{}", strength(75));
-    let bytes = bytes(&converted);
+    let bytes = bytes(converted);
     let validation = tousle_eff::validate(&bytes[..]).unwrap();
     assert!(validation.is_sound && validation.findings.is_empty(), "{:?}", validation.findings);
     let read = tousle_eff::read(&bytes[..], &ReadOptions::default()).unwrap();
@@ -61,7 +65,7 @@ fn cleaning_is_told_and_can_be_left_out() {
     let mut options = by_paper();
     options.prepare.clean = None;
     let as_read = convert(input(CAPTURE), input(SESSION), &options, &Silent).unwrap();
-    let cleaned = converted(CAPTURE, SESSION);
+    let cleaned = &*DEMO;
     assert_eq!(as_read.report.quality.clean, None);
     assert!(std::ptr::eq(as_read.prepared.head(), &as_read.prepared.located.head));
     let report = cleaned.report.quality.clean.as_ref().unwrap();

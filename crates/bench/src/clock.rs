@@ -1,6 +1,7 @@
 //! What a stage costs.
 
 use serde::Serialize;
+use std::ops::Add;
 use std::time::Instant;
 
 /// Measures what runs between [`Stopwatch::start`] and [`Stopwatch::stop`].
@@ -38,6 +39,18 @@ impl Cost {
     /// Processor time, or the wall's where the system does not tell.
     pub fn secs(&self) -> f64 {
         self.cpu_secs.unwrap_or(self.wall_secs)
+    }
+}
+
+/// One after the other.
+impl Add for Cost {
+    type Output = Self;
+
+    fn add(self, then: Self) -> Self {
+        Self {
+            wall_secs: self.wall_secs + then.wall_secs,
+            cpu_secs: self.cpu_secs.zip(then.cpu_secs).map(|(a, b)| a + b),
+        }
     }
 }
 

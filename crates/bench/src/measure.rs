@@ -18,7 +18,8 @@ use crate::{
 };
 use serde::Serialize;
 use std::path::Path;
-use tousle_core::{HeadCapture, NoProgress, Progress, STANDARD_GRAVITY, UpAxis};
+use tousle_clean::{CleanOptions, Cleaned};
+use tousle_core::{NoProgress, Progress, STANDARD_GRAVITY, UpAxis};
 use tousle_field::{FieldSequence, GridSpec, Scene};
 use tousle_fit::{Fit, FitMethod, FitOptions, Wig};
 use tousle_pipeline::{Input, PrepareOptions, Prepared, Silent, prepare};
@@ -78,26 +79,49 @@ pub fn run(
         let options = PrepareOptions { clean: None, ..PrepareOptions::default() };
         let prepared = prepare(capture, Input { name: "session.json", bytes: &session }, &options, &Silent)
             .map_err(failed(folder.name(), "reading"))?;
+        let mut seen: Option<Seen> = None;
         for setting in settings {
             progress.at(rows.len() as u64, total);
-            rows.push(judge(folder, &wind, &prepared, setting)?);
+            // Settings that are of one capture follow one another: it is cleaned once for all of them.
+            let as_before = seen.take().filter(|seen| seen.worse == setting.worse);
+            let now = as_before.map_or_else(|| Seen::of(folder, &prepared, setting.worse), Ok)?;
+            rows.push(judge(folder, &wind, &prepared, &now, setting)?);
+            seen = Some(now);
         }
     }
     progress.at(total, total);
     Ok(MeasureReport { rows })
 }
 
+/// What is seen of a capture that was made worse, cleaned.
+struct Seen {
+    worse: Worse,
+    cleaned: Cleaned,
+    /// What cleaning cost.
+    cost: Cost,
+}
+
+impl Seen {
+    fn of(folder: &CaptureFolder, prepared: &Prepared, worse: Worse) -> Result<Self, BenchError> {
+        let head = worse.applied(&prepared.located.head, || folder.truth.markers());
+        let head = head.map_err(folder.truth_failed())?;
+        let watch = Stopwatch::start();
+        let cleaned = tousle_clean::clean(&head, &prepared.session, &CleanOptions::default())
+            .map_err(failed(folder.name(), "cleaning"))?;
+        Ok(Self { worse, cleaned, cost: watch.stop() })
+    }
+}
+
 fn judge(
     folder: &CaptureFolder,
     wind: &TrueWind,
     prepared: &Prepared,
+    seen: &Seen,
     setting: &Setting,
 ) -> Result<MeasureRow, BenchError> {
-    let seen = setting.worse.applied(&prepared.located.head, || folder.truth.markers());
-    let seen = seen.map_err(folder.truth_failed())?;
     let watch = Stopwatch::start();
-    let Measured { field, scene, wig, refined } = measure(folder.name(), prepared, &seen, setting)?;
-    let cost = watch.stop();
+    let Measured { field, scene, wig, refined } = measure(folder.name(), prepared, &seen.cleaned, setting)?;
+    let cost = seen.cost + watch.stop();
     let simulate = match setting.fit {
         FitMethod::Paper(_) => SimOptions::of(Method::Paper),
         _ => SimOptions::of(Method::Physical),
@@ -142,16 +166,14 @@ struct Measured {
     refined: Option<RefineReport>,
 }
 
-/// The stages from cleaning on.
+/// The stages after cleaning.
 fn measure(
     name: &str,
     prepared: &Prepared,
-    seen: &HeadCapture,
+    cleaned: &Cleaned,
     setting: &Setting,
 ) -> Result<Measured, BenchError> {
     let session = &prepared.session;
-    let cleaned =
-        tousle_clean::clean(seen, session, &Default::default()).map_err(failed(name, "cleaning"))?;
     let up_axis = session.up_axis.or(prepared.ingested.capture.up_axis);
     let fit_options = FitOptions { method: setting.fit.clone(), rate_hz: setting.rate_hz, up_axis };
     let fit = tousle_fit::fit(&cleaned.head, Some(&cleaned.samples), session, &fit_options, &NoProgress)

@@ -1,7 +1,8 @@
 //! The list of stiff and extreme cases: what we recommend holds in each, and what does not hold is refused.
 
+use rayon::prelude::*;
 use tousle_bench::Way;
-use tousle_bench::extremes::{Verdict, cases, judge, judge_refusals};
+use tousle_bench::extremes::{Case, Verdict, cases, judge, judge_refusals};
 use tousle_sim::Precision;
 
 /// What single precision is not good for, as the table of the cases in `docs/evidence` says: rest at very short steps.
@@ -11,18 +12,15 @@ const BEYOND_SINGLE: &str = "at rest on the head for 10 s, in a breath of air";
 #[test]
 fn nothing_explodes() {
     let ways: Vec<Way> = Way::all().into_iter().filter(|way| !way.integrator.is_limited()).collect();
-    let mut flaws = Vec::new();
-    for case in cases() {
-        for way in &ways {
-            if way.precision == Precision::Single && case.name == BEYOND_SINGLE {
-                continue;
-            }
-            let verdict = judge(&case, *way);
-            if !verdict.is_sound() {
-                flaws.push(format!("{}, {}: {verdict}", case.name, way.name()));
-            }
+    let flaw = |case: &Case, way: &Way| {
+        if way.precision == Precision::Single && case.name == BEYOND_SINGLE {
+            return None;
         }
-    }
+        let verdict = judge(case, *way);
+        (!verdict.is_sound()).then(|| format!("{}, {}: {verdict}", case.name, way.name()))
+    };
+    let flaws_of = |case: &Case| ways.iter().filter_map(|way| flaw(case, way)).collect::<Vec<_>>();
+    let flaws: Vec<String> = cases().par_iter().flat_map_iter(flaws_of).collect();
     assert!(flaws.is_empty(), "{}", flaws.join("\n"));
 }
 

@@ -98,8 +98,7 @@ fn a_grid_that_is_no_whole_number_of_voxels() {
 /// what it gave before.
 #[test]
 fn a_field_with_a_flipped_byte() {
-    let room = Room::new();
-    room.run("convert gusts.c3d --method paper --session session.json -o f.eff.mcap --voxel-mm 100").ended(0);
+    let room = Room::with_field();
     room.run("simulate f.eff.mcap --groom bob.json -o sound.npz").ended(0);
     let (bytes, sound) = (room.read("f.eff.mcap"), room.read("sound.npz"));
     let before = room.files();
@@ -126,8 +125,7 @@ fn a_field_with_a_flipped_byte() {
 
 #[test]
 fn a_groom_with_a_nan() {
-    let room = Room::new();
-    room.run("convert gusts.c3d --method paper --session session.json -o f.eff.mcap --voxel-mm 100").ended(0);
+    let room = Room::with_field();
     let groom = String::from_utf8(room.read("bob.json")).unwrap().replacen("0.02266", "NaN", 1);
     room.write("nan.json", groom);
     let before = room.files();

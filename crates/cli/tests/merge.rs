@@ -6,9 +6,10 @@ mod common;
 
 use common::Room;
 use serde_json::Value;
+use std::sync::LazyLock;
 
-/// A room with two captures of one wind: the demo's, and the same with every second lock unseen.
-fn room() -> Room {
+/// A room with the sessions of two captures of one wind: the demo's, and the same with every second lock unseen.
+fn room_with_sessions() -> Room {
     let room = Room::new();
     let session: Value = serde_json::from_slice(&room.read("session.json")).unwrap();
     for (name, first) in [("even", 0), ("odd", 1)] {
@@ -18,10 +19,28 @@ fn room() -> Room {
         *locks = kept;
         session["name"] = name.into();
         room.write(&format!("{name}.json"), session.to_string());
-        let line = format!(
-            "convert gusts.c3d --method paper --session {name}.json -o {name}.eff.mcap --voxel-mm 50"
-        );
-        room.run(&line).ended(0);
+    }
+    room
+}
+
+/// Their fields, packed like this.
+fn convert_both(room: &Room, pack: &str) {
+    for name in ["even", "odd"] {
+        let convert = format!("convert gusts.c3d --method paper --session {name}.json --voxel-mm 50 {pack}");
+        room.run(&format!("{convert} -o {name}.eff.mcap")).ended(0);
+    }
+}
+
+/// A room with both, converted once for all tests.
+fn room() -> Room {
+    static FIELDS: LazyLock<[Vec<u8>; 2]> = LazyLock::new(|| {
+        let room = room_with_sessions();
+        convert_both(&room, "");
+        ["even", "odd"].map(|name| room.read(&format!("{name}.eff.mcap")))
+    });
+    let room = room_with_sessions();
+    for (name, field) in ["even", "odd"].iter().zip(&*FIELDS) {
+        room.write(&format!("{name}.eff.mcap"), field);
     }
     room
 }
@@ -63,14 +82,8 @@ fn two_captures_are_richer_than_one() {
 
 #[test]
 fn the_packing_and_the_clock() {
-    let room = room();
-    let pack = "--encoding fixed --max-error 0.01";
-    for name in ["even", "odd"] {
-        let line = format!(
-            "convert gusts.c3d --method paper --session {name}.json -o {name}.eff.mcap --voxel-mm 50 {pack}"
-        );
-        room.run(&line).ended(0);
-    }
+    let room = room_with_sessions();
+    convert_both(&room, "--encoding fixed --max-error 0.01");
     room.run("merge even.eff.mcap odd.eff.mcap -o late.eff.mcap --offset-secs 0,0.515 --span common")
         .ended(0);
     let late = inspected(&room, "late.eff.mcap");

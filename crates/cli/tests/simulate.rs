@@ -6,15 +6,9 @@ mod common;
 
 use common::Room;
 
-fn room_with_a_field() -> Room {
-    let room = Room::new();
-    room.run("convert gusts.c3d --method paper --session session.json -o f.eff.mcap --voxel-mm 100").ended(0);
-    room
-}
-
 #[test]
 fn strands_follow_guides_and_the_report_says_how_well() {
-    let room = room_with_a_field();
+    let room = Room::with_field();
     let simulate = "simulate f.eff.mcap --groom bob.json --duration-secs 2";
     let run = room.run(&format!("{simulate} -o g.npz --guides 15 --json")).ended(0);
     let report: serde_json::Value = serde_json::from_str(&run.out).unwrap();
@@ -42,7 +36,7 @@ fn strands_follow_guides_and_the_report_says_how_well() {
 
 #[test]
 fn a_short_run_reads_no_more_of_the_field_than_it_needs() {
-    let room = room_with_a_field();
+    let room = Room::with_field();
     let motion = |file: &str| tousle_export::read_motion_npz(&room.read(file)).unwrap().positions_m;
     room.run("simulate f.eff.mcap --groom bob.json -o whole.npz").ended(0);
     let whole = motion("whole.npz");
@@ -65,7 +59,7 @@ fn a_short_run_reads_no_more_of_the_field_than_it_needs() {
 
 #[test]
 fn a_shots_head_comes_as_usd() {
-    let room = room_with_a_field();
+    let room = Room::with_field();
     let head = "#usda 1.0\n(upAxis = \"Y\" metersPerUnit = 0.01 timeCodesPerSecond = 24 startTimeCode = 1001)\n\
         def Xform \"World\" { def Xform \"Head\" {\n\
         double3 xformOp:translate.timeSamples = { 1001: (0, 160, 0), 1013: (20, 160, 0), 1025: (0, 160, 0) }\n\
@@ -87,7 +81,7 @@ fn a_shots_head_comes_as_usd() {
 
 #[test]
 fn several_outputs_appear_together_or_not_at_all() {
-    let room = room_with_a_field();
+    let room = Room::with_field();
     let simulate = "simulate f.eff.mcap --groom bob.json --duration-secs 0.1";
     let before = room.files();
     room.run(&format!("{simulate} -o a.npz -o nowhere/b.usda")).ended(1);
@@ -100,7 +94,7 @@ fn several_outputs_appear_together_or_not_at_all() {
 
 #[test]
 fn a_run_that_was_killed_goes_on_to_the_same_bytes() {
-    let room = room_with_a_field();
+    let room = Room::with_field();
     let simulate = "simulate f.eff.mcap --groom bob.json --duration-secs 2 --dt-secs 2e-4 --guides 40";
     room.run(&format!("{simulate} -o whole.npz")).ended(0);
     let resumed = format!("{simulate} -o out.npz --resume=8");
@@ -165,7 +159,7 @@ fn ellipsoid_obj([a, b, c]: [f64; 3]) -> String {
 /// A mesh in the head's own shape moves hair as the head does, though the two are measured in different ways.
 #[test]
 fn a_shots_body_comes_as_a_mesh() {
-    let room = room_with_a_field();
+    let room = Room::with_field();
     room.write("head.obj", ellipsoid_obj([95.0, 75.0, 100.0]));
     let simulate = "simulate f.eff.mcap --groom bob.json --method physical --duration-secs 2";
     let mesh = "--head-mesh head.obj --mesh-unit mm --mesh-up Z";

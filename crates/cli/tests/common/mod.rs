@@ -4,6 +4,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::LazyLock;
 
 /// A folder with the demo's capture, session and groom in it.
 pub struct Room {
@@ -23,6 +24,20 @@ impl Room {
         for file in ["gusts.c3d", "session.json", "bob.json", "lift.toml"] {
             std::fs::copy(fixture(file), room.path(file)).unwrap();
         }
+        room
+    }
+
+    /// The same with a field in it, `f.eff.mcap`: the capture by the method `paper` in voxels of 50 mm, converted once for
+    /// all tests of a file.
+    pub fn with_field() -> Self {
+        static FIELD: LazyLock<Vec<u8>> = LazyLock::new(|| {
+            let room = Room::new();
+            let convert = "convert gusts.c3d --method paper --session session.json --voxel-mm 50";
+            room.run(&format!("{convert} -o f.eff.mcap")).ended(0);
+            room.read("f.eff.mcap")
+        });
+        let room = Self::new();
+        room.write("f.eff.mcap", &*FIELD);
         room
     }
 
