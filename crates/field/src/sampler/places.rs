@@ -1,0 +1,135 @@
+//! What points need of the voxels around them.
+
+use super::WIDTH;
+
+/// Where some points lie in the grid.
+pub(super) struct Places {
+    /// The voxel before each point along all axes; how far it is to the next along x and along y (0 at the grid's side).
+    pub low: [u32; WIDTH],
+    pub steps: [[u32; WIDTH]; 2],
+    /// How far along the way to the next voxel each point is, 0 to 1, along x, y, z.
+    pub shares: [[f32; WIDTH]; 3],
+    /// How much of the wind there is that outside the grid.
+    pub far: [f32; WIDTH],
+}
+
+/// A vector and a weight (0 without air) a voxel, and one voxel more, so that each has a next one.
+pub(super) type Voxels = Box<[[f32; 4]]>;
+
+/// A step as it lies in memory.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Raw<'a> {
+    /// By components.
+    pub vectors: [&'a [f32]; 3],
+    pub air: Option<&'a [f32]>,
+}
+
+/// Two steps mixed in every voxel.
+pub(super) fn lay_together(before: &Voxels, after: &Voxels, share: f32) -> Voxels {
+    let mut voxels = before.clone();
+    for (number, after) in voxels.as_flattened_mut().iter_mut().zip(after.as_flattened()) {
+        *number = mix(*number, *after, share);
+    }
+    voxels
+}
+
+/// Where voxels can be read.
+pub(super) trait Pairs: Copy {
+    /// A voxel and the next along z; at the grid's side another one, of which nothing is taken.
+    fn pair(self, flat: u32) -> [f32; 8];
+}
+
+impl Pairs for &Voxels {
+    #[inline(always)]
+    fn pair(self, flat: u32) -> [f32; 8] {
+        let both = &self[flat as usize..flat as usize + 2];
+        both.as_flattened().try_into().expect("two voxels of four numbers")
+    }
+}
+
+impl Pairs for &Raw<'_> {
+    #[inline(always)]
+    fn pair(self, flat: u32) -> [f32; 8] {
+        let [x, y, z] = self.vectors;
+        let this = flat as usize;
+        let next = (this + 1).min(x.len() - 1);
+        let [w, next_w] = self.air.map_or([1.0; 2], |air| [air[this], air[next]]);
+        [x[this], y[this], z[this], w, x[next], y[next], z[next], next_w]
+    }
+}
+
+impl Places {
+    /// Four pairs of voxels around the `k`-th point: those before it and the next along y, then the same for the next
+    /// along x.
+    #[inline(always)]
+    fn around(&self, voxels: impl Pairs, k: usize) -> [[f32; 8]; 4] {
+        let (low, step_x, step_y) = (self.low[k], self.steps[0][k], self.steps[1][k]);
+        // Written out: `map` would be a call for each point, of code for any processor.
+        [
+            voxels.pair(low),
+            voxels.pair(low + step_y),
+            voxels.pair(low + step_x),
+            voxels.pair(low + step_x + step_y),
+        ]
+    }
+
+    /// Vectors and weights between the eight voxels around each point, by components.
+    #[inline(always)]
+    pub fn gather(&self, voxels: &Voxels) -> [[f32; 4]; WIDTH] {
+        let mut sums = [[0.0; 4]; WIDTH];
+        for (k, sum) in sums.iter_mut().enumerate() {
+            let pairs = self.around(voxels, k);
+            let shares = [self.shares[0][k], self.shares[1][k]];
+            let mut along_z = [0.0; 8];
+            for n in 0..8 {
+                along_z[n] = among(pairs[0][n], pairs[1][n], pairs[2][n], pairs[3][n], shares);
+            }
+            *sum = self.along_z(along_z, k);
+        }
+        sums
+    }
+
+    /// [`Places::gather`] of two steps laid together, in the same order for each number.
+    #[inline(always)]
+    pub fn gather_mixed<P: Pairs>(&self, before: P, after: P, share: f32) -> [[f32; 4]; WIDTH] {
+        let mut sums = [[0.0; 4]; WIDTH];
+        for (k, sum) in sums.iter_mut().enumerate() {
+            let (a, b) = (self.around(before, k), self.around(after, k));
+            let shares = [self.shares[0][k], self.shares[1][k]];
+            let mut along_z = [0.0; 8];
+            for n in 0..8 {
+                along_z[n] = among(
+                    mix(a[0][n], b[0][n], share),
+                    mix(a[1][n], b[1][n], share),
+                    mix(a[2][n], b[2][n], share),
+                    mix(a[3][n], b[3][n], share),
+                    shares,
+                );
+            }
+            *sum = self.along_z(along_z, k);
+        }
+        sums
+    }
+
+    /// The `k`-th point's numbers between those of two voxels along z.
+    #[inline(always)]
+    fn along_z(&self, pair: [f32; 8], k: usize) -> [f32; 4] {
+        let mut found = [0.0; 4];
+        for axis in 0..4 {
+            found[axis] = mix(pair[axis], pair[4 + axis], self.shares[2][k]);
+        }
+        found
+    }
+}
+
+/// A number between those of four neighbors along x and y.
+#[inline(always)]
+fn among(near: f32, next_y: f32, next_x: f32, next_xy: f32, [share_x, share_y]: [f32; 2]) -> f32 {
+    mix(mix(near, next_y, share_y), mix(next_x, next_xy, share_y), share_x)
+}
+
+/// A number between two others.
+#[inline(always)]
+fn mix(a: f32, b: f32, share: f32) -> f32 {
+    a + (b - a) * share
+}
