@@ -100,8 +100,11 @@ pub const MAX_RATE_HZ: f64 = 1e6;
 /// The most voxels a step may have: 256³.
 pub(crate) const MAX_VOXELS: u64 = 1 << 24;
 
-/// The longest a chunk may be when unpacked, bytes: a step of [`MAX_VOXELS`] with everything in it, and some.
-pub(crate) const MAX_CHUNK: u64 = 18 * MAX_VOXELS;
+/// The most that a voxel of a step takes, bytes: a vector, a flag, a standard deviation, and some.
+pub(crate) const MAX_VOXEL_BYTES: u64 = 18;
+
+/// The longest a chunk may be when unpacked, bytes: a step of [`MAX_VOXELS`].
+pub(crate) const MAX_CHUNK: u64 = MAX_VOXEL_BYTES * MAX_VOXELS;
 
 /// The time of step `k`, s: `start + k / rate`, in doubles.
 pub(crate) fn step_secs(start_secs: f64, rate_hz: f64, k: u64) -> f64 {

@@ -1,4 +1,5 @@
 use super::{Reader, Unpacker};
+use crate::format::MAX_VOXEL_BYTES;
 use crate::{Eff, EffError, ReadOptions};
 use rayon::prelude::*;
 use std::io::{Read, Seek};
@@ -92,7 +93,8 @@ impl<R: Read + Seek> Reader<R> {
         if self.n_steps() == 0 {
             return Ok(fields);
         }
-        let at_once = PACKED_A_THREAD * rayon::current_num_threads();
+        let step_bytes = MAX_VOXEL_BYTES as usize * self.manifest.field.grid.spec().n_voxels();
+        let at_once = (PACKED_BYTES / step_bytes).clamp(1, PACKED_A_THREAD * rayon::current_num_threads());
         for first in steps.clone().step_by(at_once) {
             let some = first..=(first + at_once as u64 - 1).min(*steps.end());
             let packed: Vec<_> =
@@ -111,8 +113,9 @@ impl<R: Read + Seek> Reader<R> {
     }
 }
 
-/// How many packed steps are held for each thread.
+/// How many packed steps are held for each thread, and how many bytes in all unless a single one has more.
 const PACKED_A_THREAD: usize = 8;
+const PACKED_BYTES: usize = 64 << 20;
 
 /// The whole numbers around a span, none past the last one. A NaN asks for everything.
 fn around(first: f64, last: f64, end: u64) -> RangeInclusive<u64> {
