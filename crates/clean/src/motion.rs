@@ -1,6 +1,7 @@
 //! How markers move from frame to frame, as the capture itself shows it.
 
-use std::sync::OnceLock;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 use tousle_core::{Track, Vec3};
 
 /// Degrees of freedom of the tails: hair is whipped and caught, so jumps of many times the usual occur.
@@ -13,14 +14,13 @@ pub(crate) struct Continuity<'a> {
     tracks: &'a [Track],
     /// White noise of a coordinate, m: nothing is smoother than that.
     noise_m: f64,
-    /// By marker, then by frames from an end to the other, once someone asks.
-    scales: Vec<Vec<OnceLock<f64>>>,
+    /// By marker, what was asked for: by frames from an end to the other.
+    scales: Vec<Mutex<BTreeMap<usize, f64>>>,
 }
 
 impl<'a> Continuity<'a> {
     pub(crate) fn new(tracks: &'a [Track], noise_m: f64) -> Self {
-        let of = |track: &Track| (0..track.n_frames()).map(|_| OnceLock::new()).collect();
-        Self { tracks, noise_m, scales: tracks.iter().map(of).collect() }
+        Self { tracks, noise_m, scales: tracks.iter().map(|_| Mutex::default()).collect() }
     }
 
     /// Negative log likelihood that `after`, first seen at `end`, goes on where `before`, last seen at
@@ -46,7 +46,8 @@ impl<'a> Continuity<'a> {
     /// Scale of the mismatch per coordinate over `n_frames`, m: such that two thirds of this marker's own are
     /// within it. A swapped label here and there does not move that.
     fn scale(&self, marker: usize, n_frames: usize) -> f64 {
-        *self.scales[marker][n_frames].get_or_init(|| {
+        let mut scales = self.scales[marker].lock().unwrap_or_else(PoisonError::into_inner);
+        *scales.entry(n_frames).or_insert_with(|| {
             let track = &self.tracks[marker];
             let starts = 0..track.n_frames().saturating_sub(n_frames);
             let mut misses: Vec<f64> =
