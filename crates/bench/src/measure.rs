@@ -18,12 +18,11 @@ use crate::{
 };
 use serde::Serialize;
 use std::path::Path;
-use tousle_clean::{CleanOptions, Cleaned};
-use tousle_core::{NoProgress, Progress, STANDARD_GRAVITY, UpAxis};
+use tousle_clean::CleanOptions;
+use tousle_core::Progress;
 use tousle_field::{FieldSequence, GridSpec, Scene};
-use tousle_fit::{Fit, FitMethod, FitOptions, Wig};
-use tousle_pipeline::{Input, PrepareOptions, Prepared, Silent, prepare};
-use tousle_raster::{Raster, RasterMethod, RasterOptions};
+use tousle_fit::{FitMethod, FitOptions, Wig};
+use tousle_pipeline::{Input, MeasureOptions, Measured, PrepareOptions, Prepared, Silent, measure, prepare};
 use tousle_refine::RefineReport;
 use tousle_sim::{Method, SimOptions};
 
@@ -85,7 +84,7 @@ pub fn run(
             // Settings that are of one capture follow one another: it is cleaned once for all of them.
             let as_before = seen.take().filter(|seen| seen.worse == setting.worse);
             let now = as_before.map_or_else(|| Seen::of(folder, &prepared, setting.worse), Ok)?;
-            rows.push(judge(folder, &wind, &prepared, &now, setting)?);
+            rows.push(judge(folder, &wind, &now, setting)?);
             seen = Some(now);
         }
     }
@@ -96,7 +95,7 @@ pub fn run(
 /// What is seen of a capture that was made worse, cleaned.
 struct Seen {
     worse: Worse,
-    cleaned: Cleaned,
+    prepared: Prepared,
     /// What cleaning cost.
     cost: Cost,
 }
@@ -108,19 +107,24 @@ impl Seen {
         let watch = Stopwatch::start();
         let cleaned = tousle_clean::clean(&head, &prepared.session, &CleanOptions::default())
             .map_err(failed(folder.name(), "cleaning"))?;
-        Ok(Self { worse, cleaned, cost: watch.stop() })
+        let cost = watch.stop();
+        Ok(Self { worse, prepared: prepared.clone().with_cleaned(cleaned), cost })
     }
 }
 
 fn judge(
     folder: &CaptureFolder,
     wind: &TrueWind,
-    prepared: &Prepared,
     seen: &Seen,
     setting: &Setting,
 ) -> Result<MeasureRow, BenchError> {
     let watch = Stopwatch::start();
-    let Measured { field, scene, wig, refined } = measure(folder.name(), prepared, &seen.cleaned, setting)?;
+    let grid = GridSpec::cube(EXTENT_M, setting.edge_m).map_err(failed(folder.name(), "the grid"))?;
+    let fit = FitOptions { method: setting.fit.clone(), rate_hz: setting.rate_hz, up_axis: None };
+    let options = MeasureOptions { fit, refine: setting.refine.clone(), grid };
+    let measured = measure(&seen.prepared, &options, &Silent);
+    let Measured { fit, refined, scene, raster } = measured.map_err(failed(folder.name(), "the wind"))?;
+    let field = raster.sequence;
     let cost = seen.cost + watch.stop();
     let simulate = match setting.fit {
         FitMethod::Paper(_) => SimOptions::of(Method::Paper),
@@ -135,7 +139,7 @@ fn judge(
         setting: setting.words.clone(),
         cost,
         motion: judged.score,
-        wig: wig.map(|wig| again(folder, &wig, prepared, &field, &scene)).transpose()?,
+        wig: fit.wig.map(|wig| again(folder, &wig, &seen.prepared, &field, &scene)).transpose()?,
         field: score,
         refined,
         calibration: Calibration::of(&field, wind),
@@ -156,67 +160,4 @@ fn again(
     let motion = sim_to_the_end(folder.name(), field, scene, &wig.groom, &truth, &options)?.motion;
     score_motion(&wig.markers(&motion, &prepared.session), &truth)
         .map_err(failed(folder.name(), "scoring the captured wig"))
-}
-
-/// What the stages make of a capture.
-struct Measured {
-    field: FieldSequence,
-    scene: Scene,
-    wig: Option<Wig>,
-    refined: Option<RefineReport>,
-}
-
-/// The stages after cleaning.
-fn measure(
-    name: &str,
-    prepared: &Prepared,
-    cleaned: &Cleaned,
-    setting: &Setting,
-) -> Result<Measured, BenchError> {
-    let session = &prepared.session;
-    let up_axis = session.up_axis.or(prepared.ingested.capture.up_axis);
-    let fit_options = FitOptions { method: setting.fit.clone(), rate_hz: setting.rate_hz, up_axis };
-    let fit = tousle_fit::fit(&cleaned.head, Some(&cleaned.samples), session, &fit_options, &NoProgress)
-        .map_err(failed(name, "the fit"))?;
-    let tracked = &prepared.located.tracked;
-    let scene = Scene {
-        poses: tracked.poses.clone(),
-        rest_pose: tracked.rest_pose,
-        gravity_world: -up_axis.unwrap_or(UpAxis::Z).vector() * STANDARD_GRAVITY,
-        air_density: session.air_density,
-        body: session.body.clone(),
-    };
-    let method = match setting.fit {
-        FitMethod::Paper(_) => RasterMethod::Paper,
-        _ => RasterMethod::Physical,
-    };
-    let grid = GridSpec::cube(EXTENT_M, setting.edge_m).map_err(failed(name, "the grid"))?;
-    let lay = |fit: &Fit| {
-        let options = RasterOptions { method, grid };
-        tousle_raster::rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &options, &NoProgress)
-    };
-    let (fit, laid, refined) = match &setting.refine {
-        None => (fit, None, None),
-        Some(refine) => {
-            let measured = tousle_refine::Measured {
-                head: &cleaned.head,
-                origins: Some(&cleaned.samples),
-                session,
-                options: &fit_options,
-                scene: &scene,
-            };
-            let lay = |fit: &Fit| Ok(lay(fit)?.sequence);
-            let refined = tousle_refine::refine(fit, &measured, &lay, refine, &NoProgress)
-                .map_err(failed(name, "refining"))?;
-            (refined.fit, refined.field, Some(refined.report))
-        }
-    };
-    let mut raster = match laid {
-        Some(sequence) => Raster::of(sequence, &fit.samples),
-        None => lay(&fit).map_err(failed(name, "filling the grid"))?,
-    };
-    if let Some(air) = &fit.air {
-        tousle_raster::add_deviations(&mut raster, air, &NoProgress);
-    }
-    Ok(Measured { field: raster.sequence, scene, wig: fit.wig, refined })
 }

@@ -1,13 +1,15 @@
-use crate::{ConversionReport, PrepareOptions, Prepared, Watch, attachments, prepare};
+use crate::{
+    ConversionReport, MeasureOptions, Measured, PrepareOptions, Prepared, Watch, attachments, measure,
+    prepare,
+};
 use tousle_clean::CleanError;
-use tousle_core::{NoProgress, Progress, STANDARD_GRAVITY};
 use tousle_eff::Eff;
-use tousle_field::{GridError, GridSpec, Scene};
-use tousle_fit::{Fit, FitError, FitMethod, FitOptions, Wig};
+use tousle_field::{GridError, GridSpec};
+use tousle_fit::{FitError, FitMethod, FitOptions, Wig};
 use tousle_head::HeadError;
 use tousle_ingest::{CheckError, IngestError, SessionError};
-use tousle_raster::{Raster, RasterError, RasterMethod, RasterOptions};
-use tousle_refine::{Measured, RefineError, RefineOptions};
+use tousle_raster::RasterError;
+use tousle_refine::{RefineError, RefineOptions};
 
 /// A file's name, for messages, and its bytes.
 #[derive(Clone, Copy, Debug)]
@@ -136,53 +138,8 @@ pub fn convert(
 ) -> Result<Converted, ConvertError> {
     let grid = GridSpec::cube(options.extent_m, options.edge_m)?;
     let prepared = prepare(capture, session, &options.prepare, watch)?;
-    let known = &prepared.session;
-    let up_axis = known.up_axis.or(prepared.ingested.capture.up_axis).ok_or(ConvertError::NoUpAxis)?;
-
-    let stage = watch.stage("fit");
-    let fit_options = FitOptions { up_axis: Some(up_axis), ..options.fit.clone() };
-    let fit = tousle_fit::fit(prepared.head(), prepared.samples(), known, &fit_options, &*stage)?;
-    drop(stage);
-
-    let scene = Scene {
-        poses: prepared.located.tracked.poses.clone(),
-        rest_pose: prepared.located.tracked.rest_pose,
-        gravity_world: -up_axis.vector() * STANDARD_GRAVITY,
-        air_density: known.air_density,
-        body: known.body.clone(),
-    };
-    let lay = |fit: &Fit, progress: &dyn Progress| {
-        let raster_options = RasterOptions { method: raster_method(&options.fit), grid };
-        tousle_raster::rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &raster_options, progress)
-    };
-    // Whoever wants locks held out is told if the method knows no wig; the round by default is left out.
-    let refine = options.refine.as_ref().filter(|refine| fit.wig.is_some() || refine.held_out.is_some());
-    let (fit, laid, refined) = match refine {
-        None => (fit, None, None),
-        Some(refine) => {
-            let stage = watch.stage("refine");
-            let measured = Measured {
-                head: prepared.head(),
-                origins: prepared.samples(),
-                session: known,
-                options: &fit_options,
-                scene: &scene,
-            };
-            let lay = |fit: &Fit| Ok(lay(fit, &NoProgress)?.sequence);
-            let refined = tousle_refine::refine(fit, &measured, &lay, refine, &*stage)?;
-            (refined.fit, refined.field, Some(refined.report))
-        }
-    };
-
-    let stage = watch.stage("raster");
-    let mut raster = match laid {
-        Some(sequence) => Raster::of(sequence, &fit.samples),
-        None => lay(&fit, &*stage)?,
-    };
-    if let Some(air) = &fit.air {
-        tousle_raster::add_deviations(&mut raster, air, &*stage);
-    }
-    drop(stage);
+    let options = MeasureOptions { fit: options.fit.clone(), refine: options.refine.clone(), grid };
+    let Measured { fit, refined, scene, raster } = measure(&prepared, &options, watch)?;
 
     let mut report = ConversionReport {
         method: method_name(&options.fit).to_owned(),
@@ -194,7 +151,7 @@ pub fn convert(
     };
     report.find_losses();
     let eff = Eff {
-        name: known.name.clone(),
+        name: prepared.session.name.clone(),
         method: method_name(&options.fit).to_owned(),
         generator: GENERATOR.to_owned(),
         field: raster.sequence,
@@ -210,13 +167,5 @@ fn method_name(options: &FitOptions) -> &'static str {
         FitMethod::Paper(_) => "paper",
         FitMethod::Physical(_) => "physical",
         _ => "unknown",
-    }
-}
-
-/// The way to fill the grid that goes with a way to fit.
-fn raster_method(options: &FitOptions) -> RasterMethod {
-    match options.method {
-        FitMethod::Physical(_) => RasterMethod::Physical,
-        _ => RasterMethod::Paper,
     }
 }

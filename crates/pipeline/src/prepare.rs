@@ -51,6 +51,14 @@ impl Prepared {
     pub fn samples(&self) -> Option<&[Vec<Vec<Sample>>]> {
         self.cleaned.as_ref().map(|cleaned| &cleaned.samples[..])
     }
+
+    /// The same capture with its locks cleaned by someone else.
+    #[must_use]
+    pub fn with_cleaned(mut self, cleaned: Cleaned) -> Self {
+        self.quality.clean = Some(cleaned.report.clone());
+        self.cleaned = Some(cleaned);
+        self
+    }
 }
 
 /// Reads a capture and its session, finds the head, cleans the locks.

@@ -1,0 +1,100 @@
+use crate::{ConvertError, Prepared, Watch};
+use tousle_core::{NoProgress, Progress, STANDARD_GRAVITY};
+use tousle_field::{GridSpec, Scene};
+use tousle_fit::{Fit, FitMethod, FitOptions};
+use tousle_raster::{Raster, RasterMethod, RasterOptions};
+use tousle_refine::{RefineOptions, RefineReport};
+
+/// How a capture in head space becomes wind on a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasureOptions {
+    /// How motion becomes wind, and at which rate; an axis that is not given here the session or the capture says.
+    pub fit: FitOptions,
+    /// Whether and how the wind is mended until the simulated wig moves as the captured one; left out where the method knows
+    /// no wig, unless locks shall be held out.
+    pub refine: Option<RefineOptions>,
+    /// The voxels, head space.
+    pub grid: GridSpec,
+}
+
+/// The wind of a capture.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// Samples of the wind at the hair, the wind outside, and the wig with what it is made of; refined if that was wanted.
+    pub fit: Fit,
+    /// How the closed loop went; `None` without it.
+    pub refined: Option<RefineReport>,
+    /// The head, gravity, air and body that the wind blows around.
+    pub scene: Scene,
+    /// The wind on the grid, head space, m/s (`paper`: force per mass, N/kg).
+    pub raster: Raster,
+}
+
+/// Tells the wind of a capture that [`prepare`](crate::prepare) made: fit, closed loop, raster.
+///
+/// # Errors
+/// [`ConvertError`] with the stage that failed; [`ConvertError::NoUpAxis`] if nobody says which way is up.
+pub fn measure(
+    prepared: &Prepared,
+    options: &MeasureOptions,
+    watch: &dyn Watch,
+) -> Result<Measured, ConvertError> {
+    let session = &prepared.session;
+    let tracked = &prepared.located.tracked;
+    let up_axis = options.fit.up_axis.or(session.up_axis).or(prepared.ingested.capture.up_axis);
+    let up_axis = up_axis.ok_or(ConvertError::NoUpAxis)?;
+    let fit_options = FitOptions { up_axis: Some(up_axis), ..options.fit.clone() };
+
+    let stage = watch.stage("fit");
+    let fit = tousle_fit::fit(prepared.head(), prepared.samples(), session, &fit_options, &*stage)?;
+    drop(stage);
+
+    let scene = Scene {
+        poses: tracked.poses.clone(),
+        rest_pose: tracked.rest_pose,
+        gravity_world: -up_axis.vector() * STANDARD_GRAVITY,
+        air_density: session.air_density,
+        body: session.body.clone(),
+    };
+    let lay = |fit: &Fit, progress: &dyn Progress| {
+        let raster_options = RasterOptions { method: raster_method(&options.fit), grid: options.grid };
+        tousle_raster::rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &raster_options, progress)
+    };
+    // Whoever wants locks held out is told if the method knows no wig; the round by default is left out.
+    let refine = options.refine.as_ref().filter(|refine| fit.wig.is_some() || refine.held_out.is_some());
+    let (fit, laid, refined) = match refine {
+        None => (fit, None, None),
+        Some(refine) => {
+            let stage = watch.stage("refine");
+            let measured = tousle_refine::Measured {
+                head: prepared.head(),
+                origins: prepared.samples(),
+                session,
+                options: &fit_options,
+                scene: &scene,
+            };
+            let lay = |fit: &Fit| Ok(lay(fit, &NoProgress)?.sequence);
+            let refined = tousle_refine::refine(fit, &measured, &lay, refine, &*stage)?;
+            (refined.fit, refined.field, Some(refined.report))
+        }
+    };
+
+    let stage = watch.stage("raster");
+    let mut raster = match laid {
+        Some(sequence) => Raster::of(sequence, &fit.samples),
+        None => lay(&fit, &*stage)?,
+    };
+    if let Some(air) = &fit.air {
+        tousle_raster::add_deviations(&mut raster, air, &*stage);
+    }
+    drop(stage);
+    Ok(Measured { fit, refined, scene, raster })
+}
+
+/// The way to fill the grid that goes with a way to fit.
+fn raster_method(options: &FitOptions) -> RasterMethod {
+    match options.method {
+        FitMethod::Physical(_) => RasterMethod::Physical,
+        _ => RasterMethod::Paper,
+    }
+}
