@@ -16,12 +16,30 @@ pub(crate) struct ShapeModel<'a> {
     tracks: &'a [Track],
     target: usize,
     neighbors: Vec<usize>,
-    center: DVector<f64>,
-    rows: Vec<Option<(DVector<f64>, Vec3)>>,
+    /// What the model goes by in each frame; `None` where a neighbor is not seen.
+    frames: Vec<Option<Around>>,
     gram: DMatrix<f64>,
     cross: DMatrix<f64>,
     squares: f64,
     n_rows: usize,
+}
+
+/// What a [`ShapeModel`] sees of its target's neighbors in a frame.
+#[derive(Debug)]
+struct Around {
+    /// Where they are, less where they are on average, m; then 1.
+    features: DVector<f64>,
+    /// The point that the session's distances say, m.
+    base_m: Vec3,
+    /// How far the target is from there, m, if it is seen.
+    offset_m: Option<Vec3>,
+}
+
+impl Around {
+    /// The features and the offset of a frame to learn from.
+    fn row(&self) -> Option<(&DVector<f64>, Vec3)> {
+        Some((&self.features, self.offset_m?))
+    }
 }
 
 /// The learned offset.
@@ -54,8 +72,7 @@ impl<'a> ShapeModel<'a> {
             tracks,
             target,
             neighbors,
-            center: DVector::zeros(width),
-            rows: Vec::new(),
+            frames: Vec::new(),
             gram: DMatrix::zeros(width, width),
             cross: DMatrix::zeros(width, 3),
             squares: 0.0,
@@ -69,18 +86,19 @@ impl<'a> ShapeModel<'a> {
         let n_frames = self.tracks[self.target].n_frames();
         let features: Vec<Option<DVector<f64>>> = (0..n_frames).map(|f| self.raw_features(f)).collect();
         let n = features.iter().flatten().count().max(1) as f64;
-        self.center = features.iter().flatten().fold(self.center.clone(), |sum, x| sum + x) / n;
-        let last = self.center.len() - 1;
-        self.center[last] = 0.0;
-        self.rows = (0..n_frames)
-            .map(|f| {
-                let offset = self.tracks[self.target].at(f)? - self.base(f)?;
-                Some((features[f].as_ref()? - &self.center, offset))
-            })
-            .collect();
-        for (x, y) in self.rows.iter().flatten() {
+        let mut center =
+            features.iter().flatten().fold(DVector::zeros(self.cross.nrows()), |sum, x| sum + x) / n;
+        let last = center.len() - 1;
+        center[last] = 0.0;
+        let around = |(frame, features): (usize, Option<DVector<f64>>)| {
+            let base_m = self.base(frame)?;
+            let offset_m = self.tracks[self.target].at(frame).map(|place_m| place_m - base_m);
+            Some(Around { features: features? - &center, base_m, offset_m })
+        };
+        self.frames = features.into_iter().enumerate().map(around).collect();
+        for (x, y) in self.frames.iter().flatten().filter_map(Around::row) {
             self.gram.ger(1.0, x, x, 1.0);
-            self.cross.ger(1.0, x, &DVector::from_column_slice(y.as_slice()), 1.0);
+            self.cross.ger(1.0, x, &y, 1.0);
             self.squares += y.norm_squared();
             self.n_rows += 1;
         }
@@ -88,17 +106,17 @@ impl<'a> ShapeModel<'a> {
 
     /// Whether every neighbor is seen in a frame.
     pub(crate) fn applies(&self, frame: usize) -> bool {
-        self.neighbors.iter().all(|n| self.tracks[*n].at(frame).is_some())
+        self.around(frame).is_some()
     }
 
     /// The offset learned from all frames but some.
     pub(crate) fn without(&self, hidden: &Range<usize>) -> Option<Coefficients> {
         let (mut gram, mut cross) = (self.gram.clone(), self.cross.clone());
         let (mut n, mut squares) = (self.n_rows, self.squares);
-        let within = hidden.start.min(self.rows.len())..hidden.end.min(self.rows.len());
-        for (x, y) in self.rows[within].iter().flatten() {
+        let within = hidden.start.min(self.frames.len())..hidden.end.min(self.frames.len());
+        for (x, y) in self.frames[within].iter().flatten().filter_map(Around::row) {
             gram.ger(-1.0, x, x, 1.0);
-            cross.ger(-1.0, x, &DVector::from_column_slice(y.as_slice()), 1.0);
+            cross.ger(-1.0, x, &y, 1.0);
             squares -= y.norm_squared();
             n -= 1;
         }
@@ -120,19 +138,23 @@ impl<'a> ShapeModel<'a> {
 
     /// Where the target is in a frame, head space, m; `None` if a neighbor is not seen.
     pub(crate) fn predict(&self, coefficients: &Coefficients, frame: usize) -> Option<Vec3> {
-        let offset = coefficients.of_features.tr_mul(&(self.raw_features(frame)? - &self.center));
-        Some(self.base(frame)? + Vec3::new(offset[0], offset[1], offset[2]))
+        let Around { features, base_m, .. } = self.around(frame)?;
+        Some(base_m + Vec3::from_fn(|axis, _| coefficients.of_features.column(axis).dot(features)))
     }
 
     /// How far the neighbors in a frame are from where they were in the frames that were learned from: the share
     /// of the offset's variance that this adds to a prediction, up to a factor (the regression's leverage).
     pub(crate) fn novelty(&self, coefficients: &Coefficients, frame: usize) -> Option<f64> {
-        let x = self.raw_features(frame)? - &self.center;
-        Some(coefficients.gram.solve(&x).dot(&x))
+        let x = &self.around(frame)?.features;
+        Some(coefficients.gram.solve(x).dot(x))
+    }
+
+    fn around(&self, frame: usize) -> Option<&Around> {
+        self.frames.get(frame)?.as_ref()
     }
 
     fn raw_features(&self, frame: usize) -> Option<DVector<f64>> {
-        let mut x = DVector::zeros(self.center.len());
+        let mut x = DVector::zeros(self.cross.nrows());
         for (k, n) in self.neighbors.iter().enumerate() {
             x.fixed_rows_mut::<3>(3 * k).copy_from(&self.tracks[*n].at(frame)?);
         }

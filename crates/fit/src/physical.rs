@@ -26,7 +26,7 @@ pub use taught::{Defects, Scales, Taught};
 use tousle_core::{
     HeadCapture, Progress, Quantity, STANDARD_GRAVITY, Sample, Session, UpAxis, Vec3, WindSample, WindSamples,
 };
-use tousle_flow::{AirFlow, AirState};
+use tousle_flow::{AirFlow, AirState, WindAt};
 use tracks::Clock;
 pub use wig::Wig;
 
@@ -164,7 +164,7 @@ fn samples(problem: &solve::Problem<'_>, air: &AirFlow, origins: Option<&[Vec<Ve
     let clock = problem.clock;
     let of_step = |step: usize| {
         let frame = clock.frame(step);
-        let mut samples = Vec::new();
+        let mut places = Vec::new();
         for seen in problem.locks {
             let Some(strand) = problem.head.strands.iter().find(|s| s.strand_idx == seen.strand_idx) else {
                 continue;
@@ -172,17 +172,17 @@ fn samples(problem: &solve::Problem<'_>, air: &AirFlow, origins: Option<&[Vec<Ve
             for (marker_idx, track) in strand.markers.iter().enumerate() {
                 let is_seen = origins.is_none_or(|o| o[seen.strand_idx][marker_idx][frame].kind.is_seen());
                 let Some(position_m) = track.at(frame).filter(|_| is_seen) else { continue };
-                let wind = air.at(step, position_m);
-                samples.push(WindSample {
-                    strand_idx: seen.strand_idx as u32,
-                    marker_idx: marker_idx as u32,
-                    position_m,
-                    value: wind.velocity,
-                    covariance: packed(&air.covariance(step, &wind)),
-                });
+                places.push((seen.strand_idx as u32, marker_idx as u32, position_m));
             }
         }
-        samples
+        let winds: Vec<_> = places.iter().map(|(.., position_m)| air.at(step, *position_m)).collect();
+        let covariances = air.covariances(step, &winds);
+        let sample =
+            |(((strand_idx, marker_idx, position_m), wind), covariance): ((_, &WindAt), &Matrix3<f64>)| {
+                let (value, covariance) = (wind.velocity, packed(covariance));
+                WindSample { strand_idx, marker_idx, position_m, value, covariance }
+            };
+        places.into_iter().zip(&winds).zip(&covariances).map(sample).collect()
     };
     let steps = (0..clock.n_steps).into_par_iter().map(of_step).collect();
     WindSamples { quantity: Quantity::AirVelocity, rate_hz: clock.rate_hz, steps }

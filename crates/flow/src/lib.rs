@@ -7,6 +7,7 @@
 //! *Invariant:* nothing here knows hair, markers or a grid of voxels.
 
 mod air;
+mod exponential;
 mod potential;
 mod shelter;
 mod stream;

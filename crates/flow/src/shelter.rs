@@ -5,6 +5,7 @@
 //! distance as (1 + x/2R)^(−2/3), the law of a round body's far wake (Schlichting, "Boundary-Layer Theory", on wakes). A real
 //! head's layer and wake are neither as simple nor steady: what the hair says corrects them.
 
+use crate::exponential::exp;
 use tousle_core::Vec3;
 
 /// The distance of a point from an ellipsoid's surface, to first order, m; not above 0 inside.
@@ -18,9 +19,18 @@ pub(crate) fn distance_m(half_axes_m: Vec3, from_center_m: Vec3) -> f64 {
     (level - 1.0) / slope
 }
 
+/// The layer is over where it takes less than e⁻²⁵ of the stream.
+const LAYER_ENDS: f64 = 25.0;
+
 /// The share of the stream that is left by the layer at the surface: 0 inside, 1 far away.
 pub(crate) fn layer(distance_m: f64, layer_m: f64) -> f64 {
-    if distance_m <= 0.0 { 0.0 } else { 1.0 - libm::exp(-distance_m / layer_m) }
+    if distance_m <= 0.0 {
+        0.0
+    } else if distance_m > LAYER_ENDS * layer_m {
+        1.0
+    } else {
+        1.0 - exp(-distance_m / layer_m)
+    }
 }
 
 /// The lee of an ellipsoid in a stream of one direction.
@@ -57,7 +67,7 @@ impl Lee {
         if across2 > BELL_ENDS * width2 {
             return 0.0;
         }
-        smooth_step(along / self.half_length_m) / (fade * fade) * libm::exp(-across2 / width2)
+        smooth_step(along / self.half_length_m) / (fade * fade) * exp(-across2 / width2)
     }
 }
 

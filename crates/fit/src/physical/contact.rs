@@ -58,21 +58,22 @@ pub(crate) fn less_body(
         return white;
     }
     let pushes = pushes(&white.moments, touching, likely_push_n);
-    let mut unknown: Vec<DVector<f64>> = Vec::new();
-    for (touch, push) in pushes.iter().enumerate().filter(|(_, push)| **push > 0.0) {
-        unknown.push(touching.column(3 * touch) * likely_push_n);
-        for along in 1..3 {
-            unknown.push(touching.column(3 * touch + along) * (friction * push));
-        }
-    }
-    if unknown.is_empty() {
+    let pushing: Vec<(usize, f64)> =
+        pushes.iter().copied().enumerate().filter(|(_, push)| *push > 0.0).collect();
+    if pushing.is_empty() {
         return white;
     }
-    // I + CCᵀ is the covariance with them; its factor whitens anew.
-    let columns = DMatrix::from_columns(&unknown);
     let n_rows = white.moments.len();
-    let covariance = &columns * columns.transpose() + DMatrix::identity(n_rows, n_rows);
-    let n_pushing = unknown.len() / 3;
+    let mut unknown = DMatrix::zeros(n_rows, 3 * pushing.len());
+    for (k, (touch, push)) in pushing.iter().enumerate() {
+        for (along, size_n) in [likely_push_n, friction * push, friction * push].into_iter().enumerate() {
+            unknown.column_mut(3 * k + along).axpy(size_n, &touching.column(3 * touch + along), 0.0);
+        }
+    }
+    // I + CCᵀ is the covariance with them; its factor whitens anew.
+    let mut covariance = DMatrix::identity(n_rows, n_rows);
+    covariance.gemm(1.0, &unknown, &unknown.transpose(), 1.0);
+    let n_pushing = pushing.len();
     let anew = covariance.cholesky().and_then(|factor| {
         let lower = factor.l();
         Some(Whitened {
