@@ -70,19 +70,25 @@ pub(crate) fn less_body(
             unknown.column_mut(3 * k + along).axpy(size_n, &touching.column(3 * touch + along), 0.0);
         }
     }
-    // I + CCᵀ is the covariance with them; its factor whitens anew.
-    let mut covariance = DMatrix::identity(n_rows, n_rows);
-    covariance.gemm(1.0, &unknown, &unknown.transpose(), 1.0);
     let n_pushing = pushing.len();
-    let anew = covariance.cholesky().and_then(|factor| {
-        let lower = factor.l();
-        Some(Whitened {
-            moments: lower.solve_lower_triangular(&white.moments)?,
-            by_wind: lower.solve_lower_triangular(&white.by_wind)?,
-            n_pushing,
-        })
-    });
-    anew.unwrap_or(white)
+    let Some(known) = told(&unknown) else { return white };
+    Whitened {
+        moments: &white.moments - &unknown * (&known * &white.moments),
+        by_wind: &white.by_wind - &unknown * (&known * &white.by_wind),
+        n_pushing,
+    }
+}
+
+/// What is to be taken off to whiten anew what has unknowns C of variance 1 beside errors of variance 1: less C times this
+/// times itself. `None` if a number is not finite.
+///
+/// With I + CᵀC = LLᵀ that is (L + I)⁻ᵀ L⁻¹ Cᵀ (Andrews, "A square root formulation of the Kalman covariance equations",
+/// 1968): the unknowns are few, so their product is small.
+fn told(unknown: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let one = DMatrix::identity(unknown.ncols(), unknown.ncols());
+    let lower = (unknown.tr_mul(unknown) + &one).cholesky()?.l();
+    let turn = (&lower + &one).tr_solve_lower_triangular(&lower.solve_lower_triangular(&one)?)?;
+    Some(turn * unknown.transpose())
 }
 
 /// The pushes ≥ 0, N, that leave the least of a whitened imbalance, small ones preferred.
@@ -126,6 +132,16 @@ mod tests {
         assert!(pushed.by_wind[(0, 0)] < 0.02, "wind there is no longer told");
         let pulled = less_body(white(&[5.0, 1.0]), &touching, 1.0, 0.25);
         assert_eq!((pulled.n_pushing, pulled.moments[0]), (0, 5.0));
+    }
+
+    /// What is whitened anew has the covariance I if what it was made of had I + CCᵀ.
+    #[test]
+    fn unknowns_are_whitened() {
+        let unknown = DMatrix::from_fn(5, 3, |r, c| f64::from((3 * r as u8 + 5 * c as u8) % 7) - 2.5);
+        let one = DMatrix::<f64>::identity(5, 5);
+        let whitening = &one - &unknown * told(&unknown).unwrap();
+        let covariance = &whitening * (&unknown * unknown.transpose() + &one) * whitening.transpose();
+        assert!((covariance - one).amax() < 1e-12);
     }
 
     /// Friction explains as much as it may: what takes no more than its share of the push.
