@@ -17,6 +17,7 @@ from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from mcap.reader import make_reader
 
 VERSION = 1
+FEATURES = {"directing"}
 TOPICS = {"/eff/manifest", "/eff/edits", "/eff/pose", "/eff/samples", "/eff/field"}
 F32, F16, FIXED16, FIXED32 = 1, 2, 3, 4
 
@@ -71,7 +72,11 @@ class Eff:
         share = place - before
         wind = (1 - share) * self.in_step(before, point) + share * self.in_step(min(before + 1, last), point)
         for layer in self.layers:
-            wind = wind + presence(layer, time) * extra(layer, point)
+            share = presence(layer, time)
+            added, weights = extra(layer, point)
+            if layer.get("reshape"):
+                wind = reshaped(layer["reshape"], share * min(1.0, weights), wind)
+            wind = wind + share * added
         return wind
 
     def in_step(self, k, point):
@@ -108,13 +113,25 @@ def presence(layer, time):
 
 
 def extra(layer, point):
+    """What the handles add at a point, and the sum of their weights."""
     total, weights = np.zeros(3), 0.0
     for handle in layer["handles"]:
         s = np.linalg.norm(np.array(point) - handle["center_m"]) / handle["reach_m"]
         weight = (1 - s) ** 4 * (4 * s + 1) if s < 1 else 0.0
         total += weight * np.array(handle["extra"])
         weights += weight
-    return total / max(1.0, weights)
+    return total / max(1.0, weights), weights
+
+
+def reshaped(reshape, weight, wind):
+    """The wind turned about an axis by its length and stretched, so much of the way (Rodrigues)."""
+    turn = weight * np.array(reshape["turn"])
+    angle = np.linalg.norm(turn)
+    if angle > 0:
+        axis = turn / angle
+        across = np.cross(axis, wind)
+        wind = wind + math.sin(angle) * across + (1 - math.cos(angle)) * np.cross(axis, across)
+    return (1 + (reshape["scale"] - 1) * weight) * wind
 
 
 def unpack(array, planes, dims):
@@ -153,8 +170,9 @@ def check_manifest(manifest):
         raise Refused(f"format {manifest.get('format')!r} is not tousle.eff")
     if manifest["version"] > VERSION:
         raise Refused(f"version {manifest['version']} is newer than this reader's, {VERSION}")
-    if manifest["requires"]:
-        raise Refused(f"feature {manifest['requires'][0]!r} is unknown to this reader")
+    for feature in manifest["requires"]:
+        if feature not in FEATURES:
+            raise Refused(f"feature {feature!r} is unknown to this reader")
 
 
 def check_time(info, k, log_time):
@@ -248,7 +266,7 @@ def content(eff):
     origin = np.array(grid["origin_m"])
     far = origin + np.array(grid["dims"]) * grid["edge_m"]
     middle = (eff.time(0) + eff.time(len(eff.steps) - 1)) / 2
-    return {
+    found = {
         "name": eff.manifest["name"],
         "quantity": info["quantity"],
         "grid": grid,
@@ -263,6 +281,11 @@ def content(eff):
         "attachments": list(eff.attachments),
         "sampled": list(eff.at(middle, 0.45 * origin + 0.55 * far)),
     }
+    if "directing" in eff.manifest["requires"]:
+        found["directing"] = [
+            {"handles": l["handles"], "reshape": l.get("reshape"), "origin": l["origin"]} for l in eff.layers
+        ]
+    return found
 
 
 def step_content(step):

@@ -116,6 +116,13 @@ fn edits() -> Vec<Case> {
         forged("edit-kind", "a layer of a kind that version 1 does not have", &["json-schema"], |p| {
             p.json(EDITS, |e| e["layers"][0]["origin"]["kind"] = json!("brush"));
         }),
+        forged("edit-feature", "a calm, and no word of the feature that it needs", &["requires"], |p| {
+            p.json(EDITS, |e| e["layers"][0]["origin"] = json!({ "kind": "wind", "action": "calm" }));
+        }),
+        forged("edit-scale", "wind that is less than none", &["json-schema"], |p| {
+            p.manifest("/requires", json!(["directing"]));
+            p.json(EDITS, |e| e["layers"][0]["reshape"] = json!({ "turn": [0, 0, 0], "scale": -1 }));
+        }),
     ]
 }
 

@@ -7,7 +7,7 @@ use crate::forge::{FIELD, MANIFEST, Piece, pieces};
 use serde_json::{Value, json};
 use tousle_core::{Body, NoProgress, PoseTrack, Quantity, Vec3};
 use tousle_eff::{Eff, Encoding, WriteOptions, write};
-use tousle_field::{FieldLayer, GridSpec, VoxelFlag};
+use tousle_field::{FieldLayer, GridSpec, Handle, LayerKey, LayerOrigin, Reshape, VoxelFlag};
 
 pub struct Case {
     pub name: &'static str,
@@ -29,6 +29,7 @@ pub fn cases() -> Vec<Case> {
         plain("late", "field and poses begin late, at odd rates", late()),
         plain("oblong", "a grid that is no cube, without standard deviations", oblong()),
         plain("muted", "a muted layer and one that begins before the field", layers()),
+        plain("directing", "layers that were solved for, change the wind, and are mirrored", directed()),
         plain("empty-steps", "samples of which most steps have none", few_samples()),
         packed("f16", "half precision", small(), Encoding::F16),
         packed("fixed16", "multiples in 16 bits", small(), Encoding::Fixed { max_error: 1e-3 }),
@@ -166,6 +167,41 @@ fn layers() -> Eff {
     eff
 }
 
+/// A layer of each kind that needs the feature `directing`, all there at the middle of the field's time; and a muted one.
+fn directed() -> Eff {
+    let mut eff = tiny();
+    let at = |id: &str, origin: LayerOrigin| {
+        let center_m = Vec3::new(0.03, 0.0, 0.01);
+        let handles = vec![Handle { center_m, reach_m: 0.1, extra: Vec3::new(0.5, -0.25, 1.0) }];
+        FieldLayer { first_secs: 0.005, last_secs: 0.03, handles, origin, ..layer(id) }
+    };
+    let key = |strand: &str, control_point, secs| LayerKey {
+        strand: strand.into(),
+        control_point,
+        secs,
+        target_m: Vec3::new(0.1, 0.05, -0.0625),
+    };
+    let keys = LayerOrigin::Keys {
+        edit: "lift".into(),
+        first_secs: 0.005,
+        keys: vec![key("S01", 3, 0.02), key("S01", 5, 0.03), key("S02", 13, 0.03)],
+        method: "physical".into(),
+    };
+    let wind = |action: &str| LayerOrigin::Wind { action: action.into() };
+    let mirrored = LayerOrigin::Mirrored { edit: "lift-mirrored".into(), of: "lift".into() };
+    let reshape = |turn, scale| Some(Reshape { turn, scale });
+    eff.field.layers = vec![
+        at("gust", wind("gust")),
+        FieldLayer { reshape: reshape(Vec3::zeros(), 0.5), ..at("weaker", wind("strength")) },
+        FieldLayer { reshape: reshape(Vec3::new(0.25, 0.0, 1.5), 1.0), ..at("aside", wind("turn")) },
+        FieldLayer { muted: true, reshape: reshape(Vec3::zeros(), 0.0), ..at("calm", wind("calm")) },
+        at("lift/1", keys.clone()),
+        FieldLayer { first_secs: 0.01, ..at("lift/2", keys) },
+        at("lift-mirrored/1", mirrored),
+    ];
+    eff
+}
+
 fn few_samples() -> Eff {
     let mut eff = tiny();
     if let Some(samples) = &mut eff.samples {
@@ -229,7 +265,7 @@ pub fn content(eff: &Eff) -> Value {
             "sum_known_covariance": all().flat_map(|s| s.covariance).filter(|c| c.is_finite()).sum::<f64>(),
         })
     });
-    json!({
+    let mut content = json!({
         "name": eff.name,
         "quantity": field.quantity.name(),
         "grid": { "origin_m": grid.origin_m.as_slice(), "edge_m": grid.edge_m, "dims": grid.dims },
@@ -244,7 +280,14 @@ pub fn content(eff: &Eff) -> Value {
         "attachments": eff.attachments.iter().map(|a| &a.name).collect::<Vec<_>>(),
         // At the middle of the box and time, with the edits.
         "sampled": sampled(eff).as_slice(),
-    })
+    });
+    // Twins that are older than the feature have no such member.
+    if field.layers.iter().any(|l| l.reshape.is_some() || !matches!(l.origin, LayerOrigin::Drag { .. })) {
+        let layer =
+            |l: &FieldLayer| json!({ "handles": l.handles, "reshape": l.reshape, "origin": l.origin });
+        content["directing"] = field.layers.iter().map(layer).collect();
+    }
+    content
 }
 
 fn sampled(eff: &Eff) -> Vec3 {
