@@ -5,8 +5,11 @@ use tousle_core::Vec3;
 
 /// Rows that shall become least, in the linear picture.
 pub(crate) struct Normal {
-    /// `J`, weighed.
+    /// The rows that change with anything. Most do not: they are of peaks that are far from what they may be.
+    felt: Vec<usize>,
+    /// `J` of these rows, weighed.
     weighed: DMatrix<f64>,
+    /// What they count.
     weights: DVector<f64>,
     /// `JᵀJ`.
     matrix: DMatrix<f64>,
@@ -17,12 +20,18 @@ pub(crate) struct Normal {
 impl Normal {
     /// Of rows that count by weights, and how they change.
     pub(crate) fn new(jacobian: &DMatrix<f64>, rows: &DVector<f64>, weights: &DVector<f64>) -> Self {
-        let mut weighed = jacobian.clone();
-        for mut column in weighed.column_iter_mut() {
-            column.component_mul_assign(weights);
+        let mut is_felt = vec![false; jacobian.nrows()];
+        for column in jacobian.column_iter() {
+            column.iter().zip(&mut is_felt).for_each(|(change, is_felt)| *is_felt |= *change != 0.0);
         }
-        let gradient = weighed.tr_mul(&rows.component_mul(weights));
-        Self { matrix: weighed.tr_mul(&weighed), gradient, weights: weights.clone(), weighed }
+        let felt: Vec<usize> = (0..jacobian.nrows()).filter(|row| is_felt[*row]).collect();
+        let weights = weights.select_rows(&felt);
+        let mut weighed = jacobian.select_rows(&felt);
+        for mut column in weighed.column_iter_mut() {
+            column.component_mul_assign(&weights);
+        }
+        let gradient = weighed.tr_mul(&rows.select_rows(&felt).component_mul(&weights));
+        Self { matrix: weighed.tr_mul(&weighed), gradient, felt, weights, weighed }
     }
 
     /// The step that makes the rows least: `−(JᵀJ + λ diag JᵀJ)⁻¹ Jᵀ rows` (Marquardt 1963).
@@ -37,7 +46,10 @@ impl Normal {
     ///
     /// `second`: the second derivative of the rows along the step. Source: geodesic acceleration (Transtrum and Sethna 2012).
     pub(crate) fn curve(&self, damping: f64, step: &DVector<f64>, second: &DVector<f64>) -> DVector<f64> {
-        let added = self.solve(damping, &self.weighed.tr_mul(&second.component_mul(&self.weights))) * 0.5;
+        let added = self.solve(
+            damping,
+            &self.weighed.tr_mul(&second.select_rows(&self.felt).component_mul(&self.weights)),
+        ) * 0.5;
         let most = step.norm();
         if added.norm() > most { added.normalize() * most } else { added }
     }

@@ -137,6 +137,12 @@ impl FieldLayer {
         }
     }
 
+    /// Whether the layer leaves every vector as it is, wherever and whenever.
+    pub fn does_nothing(&self) -> bool {
+        let adds = self.handles.iter().any(|handle| handle.extra != Vec3::zeros());
+        self.muted || self.handles.is_empty() || (self.reshape.is_none() && !adds)
+    }
+
     /// How much of the layer is there at a time: 0 outside the span and at its ends, 1 in between.
     pub fn presence(&self, time_secs: f64) -> f64 {
         let span = self.last_secs - self.first_secs;
@@ -180,8 +186,10 @@ impl FieldLayer {
         let mut weights = 0.0;
         for handle in &self.handles {
             let weight = handle.weight(point_m);
-            sum += handle.extra * weight;
-            weights += weight;
+            if weight > 0.0 {
+                sum += handle.extra * weight;
+                weights += weight;
+            }
         }
         (sum / f64::max(weights, 1.0), weights)
     }
@@ -211,10 +219,12 @@ impl Handle {
     /// The paper's exp(l²/(l−p)²) grows without bound where a weight of 1 is meant and tends to 1 where 0 is
     /// (`docs/equations.md`, E4). This is Wendland's compact function of the same intent (Wendland 1995, φ3,1).
     pub fn weight(&self, point_m: Vec3) -> f64 {
-        let share = (point_m - self.center_m).norm() / self.reach_m;
-        if share >= 1.0 {
+        // Most handles of a long way are out of reach: they cost neither root nor quotient.
+        let away2_m2 = (point_m - self.center_m).norm_squared();
+        if away2_m2 >= self.reach_m * self.reach_m {
             return 0.0;
         }
+        let share = away2_m2.sqrt() / self.reach_m;
         let left = 1.0 - share;
         let left2 = left * left;
         left2 * left2 * (4.0 * share + 1.0)
@@ -272,6 +282,17 @@ mod tests {
         assert!((at(0.0, 1.0) - Vec3::y() * 2.0).norm() < 1e-12);
         assert!((at(0.0, 0.5) - Vec3::new(1.0, 1.0, 0.0).normalize() * 3.0).norm() < 1e-12);
         assert_eq!(at(0.1, 1.0), Vec3::x() * 4.0);
+    }
+
+    #[test]
+    fn a_layer_that_does_nothing_says_so() {
+        let handle = Handle { center_m: Vec3::zeros(), reach_m: 0.1, extra: Vec3::x() };
+        let calm = Some(Reshape { turn: Vec3::zeros(), scale: 0.0 });
+        let idle = Handle { extra: Vec3::zeros(), ..handle };
+        assert!(!layer(vec![idle, handle]).does_nothing());
+        assert!(layer(vec![idle]).does_nothing() && layer(Vec::new()).does_nothing());
+        assert!(!FieldLayer { reshape: calm, ..layer(vec![idle]) }.does_nothing());
+        assert!(FieldLayer { muted: true, ..layer(vec![handle]) }.does_nothing());
     }
 
     #[test]

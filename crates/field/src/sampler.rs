@@ -53,7 +53,7 @@ struct Placed<'a> {
 impl<'a> Placed<'a> {
     /// A layer that may do something; `None` if it never does.
     fn new(layer: &'a FieldLayer, turn: Option<usize>) -> Option<Self> {
-        let corners_m = layer.corners_m().filter(|_| !layer.muted)?;
+        let corners_m = layer.corners_m().filter(|_| !layer.does_nothing())?;
         Some(Self { layer, corners_m, turn })
     }
 
