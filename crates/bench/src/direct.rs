@@ -4,18 +4,21 @@
 mod draw;
 mod live;
 mod report;
+mod several;
 mod wig;
 
+pub use draw::Several;
 pub use live::{LiveRow, live};
 pub use report::{DirectBenchReport, DragRow, MethodRow};
+pub use several::{KeyRow, SeveralRow};
 pub use wig::wig;
 
 use crate::capture::failed;
-use crate::{BenchError, CaptureFolder, Stopwatch};
-use draw::{Dice, drag};
+use crate::{BenchError, CaptureFolder, Cost, Stopwatch};
+use draw::{Board, Dice};
 use tousle_core::{Groom, NoProgress, Progress, StrandMotion, Vec3};
-use tousle_direct::{DirectOptions, EditMethod, Made, Stage, apply};
-use tousle_edit::{EditList, StrandPath, measure};
+use tousle_direct::{DirectOptions, Directed, EditMethod, Made, Stage, apply};
+use tousle_edit::{EditEffects, EditList, StrandPath, measure};
 use tousle_field::{FieldLayer, FieldSequence, LayerKey, Scene};
 use tousle_pipeline::{ConvertOptions, Input, Silent, convert};
 use tousle_sim::{Method, SimOptions, Simulator};
@@ -25,21 +28,23 @@ use tousle_sim::{Method, SimOptions, Simulator};
 pub struct DirectBenchOptions {
     /// Names of captures; empty for all.
     pub names: Vec<String>,
-    /// Drags a capture.
+    /// Drags a capture with one key.
     pub n_drags: usize,
+    /// Drags a capture with several keys, of each kind.
+    pub n_several: usize,
     /// Where the dice begin.
     pub seed: u64,
 }
 
 impl Default for DirectBenchOptions {
-    /// Twenty drags on three captures.
+    /// Twenty drags on three captures, and ten of each kind with several keys.
     fn default() -> Self {
         let names = ["gusts_left", "steady_front", "turbulent_dirty"];
-        Self { names: names.map(str::to_owned).to_vec(), n_drags: 20, seed: 7 }
+        Self { names: names.map(str::to_owned).to_vec(), n_drags: 20, n_several: 10, seed: 7 }
     }
 }
 
-/// Draws drags on captures and makes them by both methods.
+/// Draws drags on captures and makes them by both methods; those with several keys are solved for.
 ///
 /// The captured wig itself is dragged ([`wig`]), in the field that the method `physical` measures of it. Progress is in
 /// drags.
@@ -55,7 +60,7 @@ pub fn run(
     if !options.names.is_empty() {
         folders.retain(|folder| options.names.iter().any(|name| name == folder.name()));
     }
-    let total = (folders.len() * options.n_drags) as u64;
+    let total = (folders.len() * (options.n_drags + Several::ALL.len() * options.n_several)) as u64;
     let mut report = DirectBenchReport::default();
     for folder in &folders {
         let world = World::of(folder)?;
@@ -63,11 +68,20 @@ pub fn run(
         let live = live(folder.name(), &world.field, &world.scene, &world.groom);
         report.live.extend(live.map_err(|error| fail(error.into()))?);
         let watched = Watched::new(&world).map_err(&fail)?;
+        let board = Board { scene: &world.scene, groom: &world.groom, motion: &watched.unedited };
         let mut dice = Dice::new(options.seed);
         for k in 0..options.n_drags {
-            progress.at(report.rows.len() as u64, total);
-            let edits = drag(&mut dice, k, &world.scene, &world.groom, &watched.unedited);
+            progress.at(report.n_drags(), total);
+            let edits = board.drag(&mut dice, k);
             report.rows.push(watched.row(folder.name(), &edits).map_err(&fail)?);
+        }
+        for kind in Several::ALL {
+            let mut dice = Dice::new(options.seed);
+            for k in 0..options.n_several {
+                progress.at(report.n_drags(), total);
+                let edits = board.several(&mut dice, k, kind);
+                report.several.push(watched.several(folder.name(), kind, &edits).map_err(&fail)?);
+            }
         }
     }
     progress.at(total, total);
@@ -100,6 +114,13 @@ impl World {
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
+/// Edits that were made, and what they did to the wig.
+struct Done {
+    directed: Directed,
+    effects: EditEffects,
+    cost: Cost,
+}
+
 /// A world that stays prepared.
 struct Watched<'a> {
     world: &'a World,
@@ -129,21 +150,35 @@ impl<'a> Watched<'a> {
     }
 
     fn made(&self, edits: &EditList, method: EditMethod) -> Result<MethodRow, Failure> {
+        let Done { directed, effects, cost } = self.done(edits, method)?;
+        let mut row = MethodRow::of_effects(&effects, cost, &edits.edits[0]);
+        let Made::Physical(outcome) = &directed.report.edits[0] else { return Ok(row) };
+        row.unreachable = outcome.keys[0].unreachable.as_ref().map(ToString::to_string);
+        row.demanded = outcome.peaks_demanded;
+        row.strongest = outcome.strongest;
+        row.follows = self.follows(directed.added(), &effects.edits[0].keys[0].key)?;
+        Ok(row)
+    }
+
+    fn several(&self, capture: &str, kind: Several, edits: &EditList) -> Result<SeveralRow, Failure> {
+        let Done { directed, effects, cost } = self.done(edits, EditMethod::Physical)?;
+        let Made::Physical(outcome) = &directed.report.edits[0] else {
+            return Err("found an edit by E4, expected a solved one".into());
+        };
+        Ok(SeveralRow::new(capture, kind, outcome, &effects, cost))
+    }
+
+    /// Makes edits and runs the wig with them.
+    fn done(&self, edits: &EditList, method: EditMethod) -> Result<Done, Failure> {
         let World { field, scene, groom, .. } = self.world;
         let stage = Stage { simulator: &self.simulator, field, scene, groom };
         let options = DirectOptions { method, ..DirectOptions::for_quantity(field.quantity) };
         let watch = Stopwatch::start();
-        let made = apply(&stage, &[], &self.unedited, edits, &options)?;
+        let directed = apply(&stage, &[], &self.unedited, edits, &options)?;
         let cost = watch.stop();
-        let after = self.simulator.simulate(&made.stack, &NoProgress)?.motion;
-        let effects = measure(&self.unedited, &after, groom, made.added())?;
-        let mut row = MethodRow::of_effects(&effects, cost, &edits.edits[0]);
-        let Made::Physical(outcome) = &made.report.edits[0] else { return Ok(row) };
-        row.unreachable = outcome.keys[0].unreachable.as_ref().map(ToString::to_string);
-        row.demanded = outcome.peaks_demanded;
-        row.strongest = outcome.strongest;
-        row.follows = self.follows(made.added(), &effects.edits[0].keys[0].key)?;
-        Ok(row)
+        let after = self.simulator.simulate(&directed.stack, &NoProgress)?.motion;
+        let effects = measure(&self.unedited, &after, groom, directed.added())?;
+        Ok(Done { directed, effects, cost })
     }
 
     /// How far the nearest strand of the other hairstyle goes along with an edit: its way as asked, over what was asked

@@ -1,12 +1,14 @@
-use super::LiveRow;
+use super::{LiveRow, SeveralRow};
 use crate::{Cell, Cost, Table};
-use tousle_edit::{Edit, EditEffects};
+use tousle_edit::{Change, Edit, EditEffects, StrandEffect};
 
 /// Drags that were drawn, and what became of them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DirectBenchReport {
-    /// One row a drag.
+    /// One row a drag with one key.
     pub rows: Vec<DragRow>,
+    /// One row a drag with several.
+    pub several: Vec<SeveralRow>,
     /// What it costs to run a hairstyle again.
     pub live: Vec<LiveRow>,
 }
@@ -54,9 +56,9 @@ pub struct MethodRow {
 impl MethodRow {
     /// A row of what an edit did.
     pub(super) fn of_effects(effects: &EditEffects, cost: Cost, edit: &Edit) -> Self {
-        let (key, strand) = (&effects.edits[0].keys[0], &effects.edits[0].strands[0]);
+        let key = &effects.edits[0].keys[0];
         let first_secs = edit.first.secs(None).unwrap_or_default();
-        let ratio = |change: tousle_edit::Change| change.after / change.before.max(1e-9);
+        let (acceleration_ratio, jerk_ratio) = peak_ratios(&effects.edits[0].strands);
         Self {
             what: format!(
                 "{} point {}, {first_secs:.2} to {:.2} s",
@@ -65,8 +67,8 @@ impl MethodRow {
             residual_mm: (key.residual_mm.before, key.residual_mm.after),
             unreachable: None,
             same_before: effects.first_change_secs.is_none_or(|secs| secs > first_secs),
-            acceleration_ratio: ratio(strand.peak_acceleration),
-            jerk_ratio: ratio(strand.peak_jerk),
+            acceleration_ratio,
+            jerk_ratio,
             demanded: false,
             strongest: 0.0,
             far_mm: effects.most_moved_far.as_ref().map_or(0.0, |moved| moved.mm),
@@ -76,7 +78,21 @@ impl MethodRow {
     }
 }
 
+/// Peaks of acceleration, and of jerk, over those of the unedited motion; the largest of some strands.
+pub(super) fn peak_ratios(strands: &[StrandEffect]) -> (f64, f64) {
+    let largest = |peak: &dyn Fn(&StrandEffect) -> Change| {
+        let ratios = strands.iter().map(peak).map(|change| change.after / change.before.max(1e-9));
+        ratios.fold(0.0, f64::max)
+    };
+    (largest(&|strand| strand.peak_acceleration), largest(&|strand| strand.peak_jerk))
+}
+
 impl DirectBenchReport {
+    /// How many drags were made.
+    pub(super) fn n_drags(&self) -> u64 {
+        (self.rows.len() + self.several.len()) as u64
+    }
+
     /// Median and worst distance from the key, and what else must hold, by capture.
     pub fn summary(&self) -> Table {
         let columns = [
@@ -218,7 +234,13 @@ impl DirectBenchReport {
 
     /// All of it as text.
     pub fn to_text(&self) -> String {
-        [self.summary(), self.drags(), self.live_table()].map(|table| table.to_text()).join("\n")
+        let several = [self.several_summary(), self.several_keys()];
+        let tables = [self.summary(), self.drags()].into_iter().chain(several).chain([self.live_table()]);
+        tables
+            .filter(|table| !table.rows.is_empty())
+            .map(|table| table.to_text())
+            .collect::<Vec<_>>()
+            .join("\n")
     }
 }
 

@@ -65,9 +65,12 @@ pub struct BenchDirectArgs {
     /// Only this capture; may be given several times [default: three of them].
     #[arg(long = "capture", value_name = "NAME")]
     pub names: Vec<String>,
-    /// Drags a capture.
+    /// Drags a capture with one key.
     #[arg(long, default_value_t = 20, value_name = "N")]
     pub drags: usize,
+    /// Drags a capture with several keys: so many of one strand in time, of two strands at once, and of two neighbors.
+    #[arg(long, default_value_t = 10, value_name = "N")]
+    pub several: usize,
     /// Where the dice begin.
     #[arg(long, default_value_t = 7, value_name = "N")]
     pub seed: u64,

@@ -74,16 +74,20 @@ fn wind(args: &BenchWindArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
 fn direct(args: &BenchDirectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let defaults = DirectBenchOptions::default();
     let names = if args.names.is_empty() { defaults.names } else { args.names.clone() };
-    let options = DirectBenchOptions { names, n_drags: args.drags, seed: args.seed };
+    let options = DirectBenchOptions { names, n_drags: args.drags, n_several: args.several, seed: args.seed };
     let stage = watch.stage("bench");
     let report = direct::run(&args.captures, &options, &*stage)?;
     drop(stage);
     print!("{}", report.to_text());
     let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
     make_folder(folder)?;
-    for (name, table) in
-        [("direct", report.summary()), ("direct-drags", report.drags()), ("direct-live", report.live_table())]
-    {
+    for (name, table) in [
+        ("direct", report.summary()),
+        ("direct-drags", report.drags()),
+        ("direct-several", report.several_summary()),
+        ("direct-several-keys", report.several_keys()),
+        ("direct-live", report.live_table()),
+    ] {
         write_text(folder, &format!("{name}.csv"), &table.to_csv())?;
         println!("wrote {}", folder.join(format!("{name}.csv")).display());
     }
