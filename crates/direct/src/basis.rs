@@ -123,6 +123,25 @@ impl Basis {
         Ok(Self { times, patches, points, n })
     }
 
+    /// The layers of some strands, each strand's made alone for the same times.
+    ///
+    /// # Panics
+    /// If there is none.
+    pub(crate) fn joined(alone: impl IntoIterator<Item = Self>) -> Self {
+        let joined = alone.into_iter().reduce(|mut joined, next| {
+            let moved = |patch: Patch| Patch {
+                strand: patch.strand + joined.points.len(),
+                first: patch.first + joined.n,
+                ..patch
+            };
+            joined.patches.extend(next.patches.into_iter().map(moved));
+            joined.points.extend(next.points);
+            joined.n += next.n;
+            joined
+        });
+        joined.expect("a strand")
+    }
+
     /// The layers of some vectors.
     pub(crate) fn layers(&self, drag: &Drag, keys: &[LayerKey], vectors: &[Vec3]) -> Vec<FieldLayer> {
         let layer = |(k, patch): (usize, &Patch)| {

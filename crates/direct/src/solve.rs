@@ -1,5 +1,6 @@
 //! Gauss and Newton's method through the simulator.
 
+mod apart;
 mod descend;
 mod ground;
 mod peaks;
@@ -73,7 +74,9 @@ pub fn solve(
     };
     let keys: Vec<LayerKey> = drag.keys.iter().map(|key| layer_key(stage, key)).collect();
     let aims: Vec<Aim> = drag.keys.iter().map(|key| aim(stage, key, &ground.points_at(key))).collect();
-    let mut solver = Solver { stage, ground: &ground, drag, keys: &keys, options, n_runs: 0 };
+    let secs: Vec<f64> = keys.iter().map(|key| key.secs).collect();
+    let times = Times::new(drag.first_secs, &secs);
+    let mut solver = Solver { stage, ground: &ground, drag, keys: &keys, options, times, n_runs: 0 };
     let best = solver.best(&aims, before.map(|before| &before.vectors[..]))?;
     let mut layers = best.problem.layers(&best.vectors);
     layers.iter_mut().for_each(|layer| layer.muted = drag.muted);
@@ -105,6 +108,7 @@ struct Solver<'a> {
     drag: &'a Drag,
     keys: &'a [LayerKey],
     options: &'a DirectOptions,
+    times: Times,
     n_runs: usize,
 }
 
@@ -139,11 +143,19 @@ const ATTEMPTS: [Attempt; 3] = [Attempt::Known, Attempt::Known, Attempt::Finer];
 const ATTEMPTS_OF_A_HAND: usize = 1;
 
 impl<'a> Solver<'a> {
+    /// The best answer. `start`: where to begin, while a hand moves.
+    fn best(&mut self, aims: &[Aim], start: Option<&[Vec3]>) -> Result<Answer<'a>, DirectError> {
+        if self.ground.strands.len() > 1 && start.is_none() {
+            return self.best_of_several(aims);
+        }
+        self.best_at_once(aims, start)
+    }
+
     /// The best of attempts by straight steps, and where none is good also by curved ones; or the other way round.
     ///
     /// A straight piece of a strand comes no shorter, to first order, whatever its ends are pushed with: keys between
     /// which it must are neared by straight steps that grow ever smaller.
-    fn best(&mut self, aims: &[Aim], start: Option<&[Vec3]>) -> Result<Answer<'a>, DirectError> {
+    fn best_at_once(&mut self, aims: &[Aim], start: Option<&[Vec3]>) -> Result<Answer<'a>, DirectError> {
         let mut steps = [Steps::Straight, Steps::Curved];
         if self.has_several_keys_of_a_strand() {
             steps.reverse();
@@ -187,7 +199,7 @@ impl<'a> Solver<'a> {
         Ok(best)
     }
 
-    /// One attempt, and where it meets its keys too violently a calmer one from there.
+    /// One attempt.
     fn attempt(
         &mut self,
         aims: &[Aim],
@@ -196,13 +208,11 @@ impl<'a> Solver<'a> {
         last: Option<&Answer<'a>>,
         start: Option<&[Vec3]>,
     ) -> Result<Answer<'a>, DirectError> {
-        let secs: Vec<f64> = self.keys.iter().map(|key| key.secs).collect();
-        let times = Times::new(self.drag.first_secs, &secs);
         let way = last.filter(|_| matches!(kind, Attempt::Known)).map(|last| &last.run.motions[..]);
         let is_finer = matches!(kind, Attempt::Finer);
-        let strands = self.ground.dragged(&times, self.drag, aims, way, is_finer);
+        let strands = self.ground.dragged(&self.times, self.drag, aims, way, is_finer);
         let bad = |problem| EditError::BadEdit { number: 1, name: self.drag.name.clone(), problem };
-        let basis = Basis::new(times, &strands, self.drag.reach_m).map_err(bad)?;
+        let basis = Basis::new(self.times.clone(), &strands, self.drag.reach_m).map_err(bad)?;
         let problem =
             Problem::new(self.stage, self.ground, self.drag, self.keys, aims.to_vec(), basis, self.options);
         let start = match kind {
@@ -211,6 +221,16 @@ impl<'a> Solver<'a> {
         };
         let start = start.filter(|start| start.len() == problem.n());
         let starts = start.map_or_else(|| problem.starts(), |start| vec![start.to_vec()]);
+        self.search(problem, starts, steps)
+    }
+
+    /// A descent, and where it meets its keys too violently a calmer one from there.
+    fn search(
+        &mut self,
+        problem: Problem<'a>,
+        starts: Vec<Vec<Vec3>>,
+        steps: Steps,
+    ) -> Result<Answer<'a>, DirectError> {
         let found = self.descend(problem, starts, Weights { keys: 0.0, peaks: CALM }, steps)?;
         if !found.run.is_met() || found.is_good(self.options) {
             return Ok(found);

@@ -123,6 +123,25 @@ offset_m = [0.02, 0.02, 0.0]
     all_met(solved(&directed));
 }
 
+/// Two locks that feel nothing of one another's layers: each gets those that it would get alone.
+#[test]
+fn strands_that_hang_apart_are_solved_as_each_alone() {
+    let mut world = World::new(Quantity::AirVelocity);
+    world.groom.strands.truncate(2);
+    for (strand, y) in world.groom.strands.iter_mut().zip([-0.2, 0.2]) {
+        strand.rest_curve_m.iter_mut().for_each(|point| point.y = y);
+    }
+    let other = PULL.replace("\"B\"", "\"A\"").replace("0.04", "0.03");
+    let both = format!("{PULL}[[edit.also]]\nstrand = \"A\"\noffset_m = [0.0, -0.03, -0.01]\n");
+    let handles = |toml: &str| {
+        let (directed, ..) = world.directed(toml, EditMethod::Physical);
+        all_met(solved(&directed));
+        let layers = directed.added().iter().map(|layer| (layer.first_secs, layer.handles.clone()));
+        layers.collect::<Vec<_>>()
+    };
+    assert_eq!(handles(&both), [handles(&other), handles(PULL)].concat());
+}
+
 /// One strand pulled to one side, then to the other, by its tip and by its middle.
 #[test]
 fn keys_that_follow_one_another_are_met() {

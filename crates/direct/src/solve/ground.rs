@@ -48,6 +48,11 @@ impl Ground {
             && self.layers == layers
     }
 
+    /// One of the strands alone.
+    pub(super) fn only(&self, strand: usize) -> Self {
+        Self { strands: vec![self.strands[strand].clone()], layers: self.layers.clone(), ..*self }
+    }
+
     /// The layers that are there without the drag.
     pub(super) fn layers(&self) -> &[FieldLayer] {
         &self.layers
