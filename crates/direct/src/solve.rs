@@ -156,10 +156,7 @@ impl<'a> Solver<'a> {
     /// A straight piece of a strand comes no shorter, to first order, whatever its ends are pushed with: keys between
     /// which it must are neared by straight steps that grow ever smaller.
     fn best_at_once(&mut self, aims: &[Aim], start: Option<&[Vec3]>) -> Result<Answer<'a>, DirectError> {
-        let mut steps = [Steps::Straight, Steps::Curved];
-        if self.has_several_keys_of_a_strand() {
-            steps.reverse();
-        }
+        let steps = self.steps();
         let first = self.best_by(steps[0], aims, start)?;
         if first.is_good(self.options) || start.is_some() {
             return Ok(first);
@@ -168,8 +165,14 @@ impl<'a> Solver<'a> {
         Ok(if second.is_better_than(&first) { second } else { first })
     }
 
-    fn has_several_keys_of_a_strand(&self) -> bool {
-        self.ground.strands.len() < self.drag.keys.len()
+    /// The kinds of steps, in the order in which they are tried.
+    fn steps(&self) -> [Steps; 2] {
+        let has_several_keys_of_a_strand = self.ground.strands.len() < self.drag.keys.len();
+        if has_several_keys_of_a_strand {
+            [Steps::Curved, Steps::Straight]
+        } else {
+            [Steps::Straight, Steps::Curved]
+        }
     }
 
     /// Attempts until one meets its keys and moves no more violently than it may; the best of them.

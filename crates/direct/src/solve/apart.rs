@@ -1,7 +1,7 @@
 //! Strands that are dragged together, each solved for alone first: most feel nothing of one another's layers.
 
 use super::problem::Problem;
-use super::{Answer, Drag, Ground, Solver, Steps};
+use super::{Answer, Drag, Ground, Solver};
 use crate::DirectError;
 use crate::basis::Basis;
 use crate::target::Aim;
@@ -37,7 +37,8 @@ impl<'a> Solver<'a> {
         if best.run.motions == alone || best.is_good(self.options) {
             return Ok(best);
         }
-        let mended = self.search(best.problem.clone(), vec![best.vectors.clone()], Steps::Straight)?;
+        let [steps, _] = self.steps();
+        let mended = self.search(best.problem.clone(), vec![best.vectors.clone()], steps)?;
         if mended.is_better_than(&best) {
             best = mended;
         }
