@@ -13,7 +13,7 @@ use crate::basis::{Basis, Times};
 use crate::target::{Aim, aim};
 use crate::{DirectError, DirectOptions, KeyOutcome, SolvedOutcome, Stage};
 use peaks::Peaks;
-use problem::{Problem, Run, Weights};
+use problem::{Problem, Run, WATCHED_LONGER_SECS, WATCHED_SECS, Weights};
 use std::sync::Arc;
 use tousle_core::Vec3;
 use tousle_edit::{Change, EditError, FoundKey, Unreachable};
@@ -76,7 +76,7 @@ pub fn solve(
     let aims: Vec<Aim> = drag.keys.iter().map(|key| aim(stage, key, &ground.points_at(key))).collect();
     let secs: Vec<f64> = keys.iter().map(|key| key.secs).collect();
     let times = Times::new(drag.first_secs, &secs);
-    let mut solver = Solver { stage, ground: &ground, drag, keys: &keys, options, times, n_runs: 0 };
+    let mut solver = Solver::new(stage, &ground, (drag, &keys), options, times);
     let best = solver.best(&aims, before.map(|before| &before.vectors[..]))?;
     let mut layers = best.problem.layers(&best.vectors);
     layers.iter_mut().for_each(|layer| layer.muted = drag.muted);
@@ -109,6 +109,8 @@ struct Solver<'a> {
     keys: &'a [LayerKey],
     options: &'a DirectOptions,
     times: Times,
+    /// For how long strands are watched after their layers have gone, s.
+    watched_secs: f64,
     n_runs: usize,
 }
 
@@ -143,6 +145,16 @@ const ATTEMPTS: [Attempt; 3] = [Attempt::Known, Attempt::Known, Attempt::Finer];
 const ATTEMPTS_OF_A_HAND: usize = 1;
 
 impl<'a> Solver<'a> {
+    fn new(
+        stage: &'a Stage<'a>,
+        ground: &'a Ground,
+        (drag, keys): (&'a Drag, &'a [LayerKey]),
+        options: &'a DirectOptions,
+        times: Times,
+    ) -> Self {
+        Self { stage, ground, drag, keys, options, times, watched_secs: WATCHED_SECS, n_runs: 0 }
+    }
+
     /// The best answer. `start`: where to begin, while a hand moves.
     fn best(&mut self, aims: &[Aim], start: Option<&[Vec3]>) -> Result<Answer<'a>, DirectError> {
         if self.ground.strands.len() > 1 && start.is_none() {
@@ -234,12 +246,15 @@ impl<'a> Solver<'a> {
         starts: Vec<Vec<Vec3>>,
         steps: Steps,
     ) -> Result<Answer<'a>, DirectError> {
+        let problem = problem.watched_for(self.watched_secs);
         let found = self.descend(problem, starts, Weights { keys: 0.0, peaks: CALM }, steps)?;
         if !found.run.is_met() || found.is_good(self.options) {
             return Ok(found);
         }
+        self.watched_secs = WATCHED_LONGER_SECS;
+        let problem = found.problem.clone().watched_for(self.watched_secs);
         let weights = Weights { keys: f64::INFINITY, peaks: CALMER };
-        let calmer = self.descend(found.problem.clone(), vec![found.vectors.clone()], weights, steps)?;
+        let calmer = self.descend(problem, vec![found.vectors.clone()], weights, steps)?;
         Ok(if calmer.is_better_than(&found) { calmer } else { found })
     }
 

@@ -34,7 +34,7 @@ impl<'a> Solver<'a> {
         let found: Vec<Found> = parts.par_iter().map(|part| part.solve(self)).collect::<Result<_, _>>()?;
         let alone: Vec<StrandMotion> = found.iter().map(|found| found.motion.clone()).collect();
         let mut best = self.together(aims, found)?;
-        if best.run.motions == alone || best.is_good(self.options) {
+        if is_same(&best.run.motions, &alone) || best.is_good(self.options) {
             return Ok(best);
         }
         let [steps, _] = self.steps();
@@ -62,6 +62,11 @@ impl<'a> Solver<'a> {
     }
 }
 
+/// Whether strands move the same to the bit, as long as both are known.
+fn is_same(some: &[StrandMotion], others: &[StrandMotion]) -> bool {
+    some.iter().zip(others).all(|(a, b)| a.positions_m.iter().zip(&b.positions_m).all(|(a, b)| a == b))
+}
+
 impl Part {
     /// The keys of one of the strands.
     fn of(whole: &Solver<'_>, aims: &[Aim], strand: usize) -> Self {
@@ -79,7 +84,7 @@ impl Part {
     fn solve(&self, whole: &Solver<'_>) -> Result<Found, DirectError> {
         let Solver { stage, options, times, .. } = whole;
         let Self { ground, drag, keys, .. } = self;
-        let mut solver = Solver { stage, ground, drag, keys, options, times: times.clone(), n_runs: 0 };
+        let mut solver = Solver::new(stage, ground, (drag, keys), options, times.clone());
         let Answer { problem, vectors, mut run, .. } = solver.best_at_once(&self.aims, None)?;
         Ok(Found { basis: problem.basis, vectors, motion: run.motions.swap_remove(0), n_runs: solver.n_runs })
     }

@@ -27,6 +27,8 @@ pub(super) struct Problem<'a> {
     pub(super) limit: f64,
     /// How often the unedited peaks may be reached.
     peak_ratio: f64,
+    /// For how long the strands are watched after the last layer has gone, s.
+    watched_secs: f64,
 }
 
 /// What a row is about.
@@ -110,8 +112,10 @@ const NUDGES: f64 = 200.0;
 /// Peaks begin to count at this share of what they may be: what is pushed down here comes up elsewhere.
 const CALM_FROM: f64 = 0.85;
 
-/// Strands are watched for so long after their layers have gone, s.
-const WATCHED_SECS: f64 = 0.25;
+/// Strands are watched for so long after their layers have gone, s; and where they met their keys too violently, so that
+/// hair that was caught on the body and slips much later is seen too.
+pub(super) const WATCHED_SECS: f64 = 0.25;
+pub(super) const WATCHED_LONGER_SECS: f64 = 2.0;
 
 impl<'a> Problem<'a> {
     pub(super) fn new(
@@ -134,7 +138,13 @@ impl<'a> Problem<'a> {
         };
         let chains = basis.chains();
         let (limit, peak_ratio) = (options.limit, options.peak_ratio);
-        Self { stage, ground, drag, keys, aims, basis, chains, scales, limit, peak_ratio }
+        let watched_secs = WATCHED_SECS;
+        Self { stage, ground, drag, keys, aims, basis, chains, scales, limit, peak_ratio, watched_secs }
+    }
+
+    /// The same, the strands being watched for so long.
+    pub(super) fn watched_for(self, watched_secs: f64) -> Self {
+        Self { watched_secs, ..self }
     }
 
     /// How many vectors are solved for.
@@ -235,7 +245,7 @@ impl<'a> Problem<'a> {
     }
 
     fn move_strand(&self, strand: usize, sets: &[&[FieldLayer]]) -> Result<Vec<StrandMotion>, DirectError> {
-        let until = self.last_secs() + WATCHED_SECS;
+        let until = self.last_secs() + self.watched_secs;
         let held = &self.ground.strands[strand].held;
         Ok(self.stage.simulator.variants(held, self.ground.layers(), sets, until)?)
     }
