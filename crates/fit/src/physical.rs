@@ -42,11 +42,23 @@ pub struct PhysicalOptions {
     /// Error of a joint's bend, rad: what a spline between markers cannot see (curls of a few millimeters), and twist. If it
     /// rises, less is told by the outer ends of locks, whose weight is small beside their stiffness.
     pub bend_error_rad: f64,
+    /// How long the errors of a lock's moments last, s: that of its mass, its width and how it hung for as long as it leans so.
+    /// If it rises, how a lock leans tells less of the wind, and how that changes tells more.
+    pub errors_last_secs: f64,
+    /// The share of those errors' square that does not last, 0 to 1.
+    pub fleeting_share: f64,
 }
 
 impl Default for PhysicalOptions {
     fn default() -> Self {
-        Self { cutoff_hz: 10.0, max_modes: 60, swirl_length_m: 0.14, bend_error_rad: 0.15 }
+        Self {
+            cutoff_hz: 10.0,
+            max_modes: 60,
+            swirl_length_m: 0.14,
+            bend_error_rad: 0.15,
+            errors_last_secs: 0.2,
+            fleeting_share: 0.5,
+        }
     }
 }
 

@@ -82,7 +82,7 @@ pub(crate) fn less_body(
 /// What is to be taken off to whiten anew what has unknowns C of variance 1 beside errors of variance 1: less C times this
 /// times itself. `None` if a number is not finite.
 ///
-/// With I + CᵀC = LLᵀ that is (L + I)⁻ᵀ L⁻¹ Cᵀ (Andrews, "A square root formulation of the Kalman covariance equations",
+/// With `I + CᵀC = LLᵀ` that is `(L + I)⁻ᵀ L⁻¹ Cᵀ` (Andrews, "A square root formulation of the Kalman covariance equations",
 /// 1968): the unknowns are few, so their product is small.
 fn told(unknown: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let one = DMatrix::identity(unknown.ncols(), unknown.ncols());
@@ -134,7 +134,7 @@ mod tests {
         assert_eq!((pulled.n_pushing, pulled.moments[0]), (0, 5.0));
     }
 
-    /// What is whitened anew has the covariance I if what it was made of had I + CCᵀ.
+    /// What is whitened anew has the covariance I if what it was made of had one of I and the unknowns' product.
     #[test]
     fn unknowns_are_whitened() {
         let unknown = DMatrix::from_fn(5, 3, |r, c| f64::from((3 * r as u8 + 5 * c as u8) % 7) - 2.5);

@@ -1,5 +1,6 @@
 //! What all locks say of the air at every step, with errors that last.
 
+use super::PhysicalOptions;
 use super::moments::DragSlope;
 use super::noise::counted_as_one;
 use super::smoother::Said;
@@ -23,14 +24,7 @@ pub(crate) struct LockSaid {
     pub(crate) touches: bool,
 }
 
-/// How long the errors of a lock's moments last, s: that of its mass, its width and how it hung for as long as it leans so.
-/// If it rises, how a lock leans tells less of the wind, and how that changes tells more.
-const LASTS_SECS: f64 = 0.2;
-
-/// The share of their square that does not last.
-const FLEETING_SHARE: f64 = 0.5;
-
-/// How long that lasts, s: smoothed tracks say nothing new in less.
+/// How long errors last that do not ([`PhysicalOptions::fleeting_share`]), s: smoothed tracks say nothing new in less.
 const FLEETING_SECS: f64 = 1.0 / 30.0;
 
 /// Steps that are asked together: of those at either end neighbors are asked as well.
@@ -44,7 +38,7 @@ pub(crate) fn ask(
     slope: DragSlope,
 ) -> Vec<StepSaid> {
     let n_steps = problem.clock.n_steps;
-    let counts = Counts::of_steps(1.0 / problem.clock.rate_hz);
+    let counts = Counts::of_steps(1.0 / problem.clock.rate_hz, problem.options);
     let of_chunk = |chunk: usize| {
         let first = chunk * ASKED_TOGETHER;
         let end = (first + ASKED_TOGETHER).min(n_steps);
@@ -74,9 +68,10 @@ struct Counts {
 }
 
 impl Counts {
-    fn of_steps(step_secs: f64) -> Self {
-        let left = libm::exp(-step_secs / LASTS_SECS);
-        let of_change = 2.0 * (1.0 - left) * (1.0 - FLEETING_SHARE) + 2.0 * FLEETING_SHARE;
+    fn of_steps(step_secs: f64, options: &PhysicalOptions) -> Self {
+        let left = libm::exp(-step_secs / options.errors_last_secs);
+        let fleeting = options.fleeting_share;
+        let of_change = 2.0 * (1.0 - left) * (1.0 - fleeting) + 2.0 * fleeting;
         let as_one = counted_as_one(step_secs);
         Self {
             own: as_one * (1.0 - left) / (1.0 + left),
