@@ -2,12 +2,14 @@
 //! hairstyle.
 
 mod draw;
+mod effect;
 mod live;
 mod report;
 mod several;
 mod wig;
 
 pub use draw::Several;
+pub use effect::DragEffect;
 pub use live::{LiveRow, live};
 pub use report::{DirectBenchReport, DragRow, MethodRow};
 pub use several::{KeyRow, SeveralRow};
@@ -151,13 +153,17 @@ impl<'a> Watched<'a> {
 
     fn made(&self, edits: &EditList, method: EditMethod) -> Result<MethodRow, Failure> {
         let Done { directed, effects, cost } = self.done(edits, method)?;
-        let mut row = MethodRow::of_effects(&effects, cost, &edits.edits[0]);
-        let Made::Physical(outcome) = &directed.report.edits[0] else { return Ok(row) };
-        row.unreachable = outcome.keys[0].unreachable.as_ref().map(ToString::to_string);
-        row.demanded = outcome.peaks_demanded;
-        row.strongest = outcome.strongest;
-        row.follows = self.follows(directed.added(), &effects.edits[0].keys[0].key)?;
-        Ok(row)
+        let (first_secs, key) =
+            (edits.edits[0].first.secs(None).unwrap_or_default(), &effects.edits[0].keys[0]);
+        let outcome = match &directed.report.edits[0] {
+            Made::Physical(outcome) => Some(outcome),
+            _ => None,
+        };
+        let effect = DragEffect::new(&effects, first_secs, outcome, cost);
+        let row = MethodRow::new(key, first_secs, effect);
+        let Some(outcome) = outcome else { return Ok(row) };
+        let unreachable = outcome.keys[0].unreachable.as_ref().map(ToString::to_string);
+        Ok(MethodRow { unreachable, follows: self.follows(directed.added(), &key.key)?, ..row })
     }
 
     fn several(&self, capture: &str, kind: Several, edits: &EditList) -> Result<SeveralRow, Failure> {
@@ -165,7 +171,8 @@ impl<'a> Watched<'a> {
         let Made::Physical(outcome) = &directed.report.edits[0] else {
             return Err("found an edit by E4, expected a solved one".into());
         };
-        Ok(SeveralRow::new(capture, kind, outcome, &effects, cost))
+        let effect = DragEffect::new(&effects, outcome.first_secs, Some(outcome), cost);
+        Ok(SeveralRow::new(capture, kind, outcome, &effects.edits[0].keys, effect))
     }
 
     /// Makes edits and runs the wig with them.

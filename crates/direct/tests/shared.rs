@@ -24,7 +24,7 @@ fn drags_on_a_capture_meet_their_keys() {
     for row in &report.rows {
         let solved = &row.solved;
         assert!(solved.residual_mm.1 <= 1.0 || solved.unreachable.is_some(), "{row:#?}");
-        assert!(solved.same_before && solved.far_mm < 1.0, "{row:#?}");
+        assert!(solved.effect.same_before && solved.effect.far_mm < 1.0, "{row:#?}");
     }
     let met = report.rows.iter().filter(|row| row.solved.residual_mm.1 <= 1.0).count();
     assert!(met >= 4, "{met} of 5 met");
@@ -40,8 +40,8 @@ fn several_keys_on_a_capture_are_met_together() {
     };
     for row in &report.several {
         assert!(row.keys.iter().all(|key| key.is_met() || key.unreachable.is_some()), "{row:#?}");
-        assert!(row.same_before && row.far_mm < 1.0, "{row:#?}");
-        assert!(row.keys.len() > 1 && (!row.is_violent() || row.demanded), "{row:#?}");
+        assert!(row.effect.same_before && row.effect.far_mm < 1.0, "{row:#?}");
+        assert!(row.keys.len() > 1 && (!row.effect.is_violent() || row.effect.demanded), "{row:#?}");
     }
     let keys: Vec<_> = report.several.iter().flat_map(|row| &row.keys).collect();
     let (n, met) = (keys.len(), keys.iter().filter(|key| key.is_met()).count());

@@ -1,6 +1,6 @@
-use super::{LiveRow, SeveralRow};
-use crate::{Cell, Cost, Table};
-use tousle_edit::{Change, Edit, EditEffects, StrandEffect};
+use super::{DragEffect, LiveRow, SeveralRow};
+use crate::{Cell, Table};
+use tousle_edit::KeyEffect;
 
 /// Drags that were drawn, and what became of them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,56 +35,28 @@ pub struct MethodRow {
     pub residual_mm: (f64, f64),
     /// Why it was not met, if it was not and the method knows.
     pub unreachable: Option<String>,
-    /// Whether the motion before the first key is the same to the bit.
-    pub same_before: bool,
-    /// Peaks of acceleration and jerk over those of the unedited motion.
-    pub acceleration_ratio: f64,
-    /// The same of jerk.
-    pub jerk_ratio: f64,
-    /// Whether the key asks for more than the usual.
-    pub demanded: bool,
-    /// The longest extra vector; 0 where the method does not say.
-    pub strongest: f64,
-    /// How far strands moved that stayed 10 cm outside the reach, mm.
-    pub far_mm: f64,
+    /// What it did to the strands.
+    pub effect: DragEffect,
     /// How far the nearest strand of the other hairstyle goes along, as a share of what was asked.
     pub follows: Option<f64>,
-    /// What it cost to make.
-    pub cost: Cost,
 }
 
 impl MethodRow {
-    /// A row of what an edit did.
-    pub(super) fn of_effects(effects: &EditEffects, cost: Cost, edit: &Edit) -> Self {
-        let key = &effects.edits[0].keys[0];
-        let first_secs = edit.first.secs(None).unwrap_or_default();
-        let (acceleration_ratio, jerk_ratio) = peak_ratios(&effects.edits[0].strands);
+    /// A row of what an edit did from its first key on.
+    pub(super) fn new(key: &KeyEffect, first_secs: f64, effect: DragEffect) -> Self {
         Self {
-            what: format!(
-                "{} point {}, {first_secs:.2} to {:.2} s",
-                key.key.strand, key.key.control_point, key.key.secs
-            ),
+            what: what(key, first_secs),
             residual_mm: (key.residual_mm.before, key.residual_mm.after),
             unreachable: None,
-            same_before: effects.first_change_secs.is_none_or(|secs| secs > first_secs),
-            acceleration_ratio,
-            jerk_ratio,
-            demanded: false,
-            strongest: 0.0,
-            far_mm: effects.most_moved_far.as_ref().map_or(0.0, |moved| moved.mm),
+            effect,
             follows: None,
-            cost,
         }
     }
 }
 
-/// Peaks of acceleration, and of jerk, over those of the unedited motion; the largest of some strands.
-pub(super) fn peak_ratios(strands: &[StrandEffect]) -> (f64, f64) {
-    let largest = |peak: &dyn Fn(&StrandEffect) -> Change| {
-        let ratios = strands.iter().map(peak).map(|change| change.after / change.before.max(1e-9));
-        ratios.fold(0.0, f64::max)
-    };
-    (largest(&|strand| strand.peak_acceleration), largest(&|strand| strand.peak_jerk))
+/// What is dragged and when, in words.
+pub(super) fn what(KeyEffect { key, .. }: &KeyEffect, first_secs: f64) -> String {
+    format!("{} point {}, {first_secs:.2} to {:.2} s", key.strand, key.control_point, key.secs)
 }
 
 impl DirectBenchReport {
@@ -96,25 +68,21 @@ impl DirectBenchReport {
     /// Median and worst distance from the key, and what else must hold, by capture.
     pub fn summary(&self) -> Table {
         let columns = [
-            "capture",
-            "drags",
-            "asked mm",
-            "E4 median mm",
-            "E4 worst",
-            "solved median mm",
-            "solved worst",
-            "within 1 mm",
-            "named unreachable",
-            "same before",
-            "acceleration ratio, worst",
-            "jerk ratio, worst",
-            "over 1.5",
-            "and not demanded",
-            "10 cm off, most mm",
-            "style B follows, median share",
-            "of",
-            "CPU s each",
-        ];
+            &[
+                "capture",
+                "drags",
+                "asked mm",
+                "E4 median mm",
+                "E4 worst",
+                "solved median mm",
+                "solved worst",
+                "within 1 mm",
+                "named unreachable",
+            ][..],
+            &DragEffect::SUMMARY,
+            &["style B follows, median share", "of", "CPU s each"],
+        ]
+        .concat();
         let mut table = Table::new("Drags", &columns);
         let mut captures: Vec<&str> = self.rows.iter().map(|row| row.capture.as_str()).collect();
         captures.dedup();
@@ -135,7 +103,7 @@ impl DirectBenchReport {
             let solved = of(&|row| row.solved.residual_mm.1);
             let mut follows: Vec<f64> = rows.iter().filter_map(|row| row.solved.follows).collect();
             follows.sort_by(f64::total_cmp);
-            table.push(vec![
+            let mut cells = vec![
                 Cell::text(capture.unwrap_or("all")),
                 Cell::number(rows.len() as f64, 0),
                 Cell::maybe(median(&of(&|row| row.solved.residual_mm.0)), 1),
@@ -145,16 +113,15 @@ impl DirectBenchReport {
                 Cell::maybe(worst(&solved), 2),
                 count(&|row| row.solved.residual_mm.1 <= 1.0),
                 count(&|row| row.solved.unreachable.is_some()),
-                count(&|row| row.solved.same_before),
-                Cell::maybe(worst(&of(&|row| row.solved.acceleration_ratio)), 2),
-                Cell::maybe(worst(&of(&|row| row.solved.jerk_ratio)), 2),
-                count(&|row| row.solved.is_violent()),
-                count(&|row| row.solved.is_violent() && !row.solved.demanded),
-                Cell::maybe(worst(&of(&|row| row.solved.far_mm)), 3),
+            ];
+            let effects: Vec<&DragEffect> = rows.iter().map(|row| &row.solved.effect).collect();
+            cells.extend(DragEffect::summary(&effects));
+            cells.extend([
                 Cell::maybe(median(&follows), 2),
                 Cell::number(follows.len() as f64, 0),
-                Cell::maybe(median(&of(&|row| row.solved.cost.cpu_secs.unwrap_or_default())), 2),
+                Cell::maybe(median(&of(&|row| row.solved.effect.cost.cpu_secs.unwrap_or_default())), 2),
             ]);
+            table.push(cells);
         }
         table
     }
@@ -162,26 +129,15 @@ impl DirectBenchReport {
     /// Every drag.
     pub fn drags(&self) -> Table {
         let columns = [
-            "capture",
-            "drag",
-            "what",
-            "asked mm",
-            "E4 mm",
-            "solved mm",
-            "unreachable",
-            "acceleration ratio",
-            "jerk ratio",
-            "demanded",
-            "strongest m/s",
-            "10 cm off mm",
-            "style B follows",
-            "wall s",
-            "CPU s",
-        ];
+            &["capture", "drag", "what", "asked mm", "E4 mm", "solved mm", "unreachable"][..],
+            &DragEffect::COLUMNS,
+            &["style B follows", "wall s", "CPU s"],
+        ]
+        .concat();
         let mut table = Table::new("Each drag", &columns);
         for row in &self.rows {
             let solved = &row.solved;
-            table.push(vec![
+            let mut cells = vec![
                 Cell::text(&row.capture),
                 Cell::text(&row.edit),
                 Cell::text(&solved.what),
@@ -189,15 +145,14 @@ impl DirectBenchReport {
                 Cell::number(row.paper.residual_mm.1, 1),
                 Cell::number(solved.residual_mm.1, 3),
                 Cell::text(solved.unreachable.clone().unwrap_or_default()),
-                Cell::number(solved.acceleration_ratio, 2),
-                Cell::number(solved.jerk_ratio, 2),
-                Cell::text(if solved.demanded { "yes" } else { "" }),
-                Cell::number(solved.strongest, 1),
-                Cell::number(solved.far_mm, 3),
+            ];
+            cells.extend(solved.effect.cells());
+            cells.extend([
                 Cell::maybe(solved.follows, 2),
-                Cell::number(solved.cost.wall_secs, 3),
-                Cell::maybe(solved.cost.cpu_secs, 3),
+                Cell::number(solved.effect.cost.wall_secs, 3),
+                Cell::maybe(solved.effect.cost.cpu_secs, 3),
             ]);
+            table.push(cells);
         }
         table
     }
@@ -241,12 +196,5 @@ impl DirectBenchReport {
             .map(|table| table.to_text())
             .collect::<Vec<_>>()
             .join("\n")
-    }
-}
-
-impl MethodRow {
-    /// Whether the strand moves more violently than it may.
-    pub fn is_violent(&self) -> bool {
-        f64::max(self.acceleration_ratio, self.jerk_ratio) > 1.5
     }
 }

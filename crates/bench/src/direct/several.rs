@@ -1,11 +1,11 @@
 //! Drags with several keys.
 
-use super::report::peak_ratios;
-use super::{DirectBenchReport, Several};
+use super::report::what;
+use super::{DirectBenchReport, DragEffect, Several};
 use crate::stats::median;
-use crate::{Cell, Cost, Table};
+use crate::{Cell, Table};
 use tousle_direct::{KeyOutcome, SolvedOutcome};
-use tousle_edit::{EditEffects, KeyEffect};
+use tousle_edit::KeyEffect;
 
 /// One drag with several keys, solved for.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,22 +18,10 @@ pub struct SeveralRow {
     pub edit: String,
     /// Its keys, in order of time.
     pub keys: Vec<KeyRow>,
-    /// Whether the motion before the first key is the same to the bit.
-    pub same_before: bool,
-    /// Peaks of acceleration over those of the unedited motion, the largest of the dragged strands.
-    pub acceleration_ratio: f64,
-    /// The same of jerk.
-    pub jerk_ratio: f64,
-    /// Whether the keys ask for more than the usual.
-    pub demanded: bool,
-    /// The longest extra vector.
-    pub strongest: f64,
-    /// How far strands moved that stayed 10 cm outside the reach, mm.
-    pub far_mm: f64,
+    /// What it did to the strands.
+    pub effect: DragEffect,
     /// How often strands were simulated for it.
     pub n_runs: usize,
-    /// What it cost to make.
-    pub cost: Cost,
 }
 
 /// One of its keys.
@@ -53,17 +41,12 @@ impl SeveralRow {
         capture: &str,
         kind: Several,
         outcome: &SolvedOutcome,
-        effects: &EditEffects,
-        cost: Cost,
+        keys: &[KeyEffect],
+        effect: DragEffect,
     ) -> Self {
-        let effect = &effects.edits[0];
         let first_secs = outcome.first_secs;
-        let (acceleration_ratio, jerk_ratio) = peak_ratios(&effect.strands);
         let key = |(effect, outcome): (&KeyEffect, &KeyOutcome)| KeyRow {
-            what: format!(
-                "{} point {}, {first_secs:.2} to {:.2} s",
-                effect.key.strand, effect.key.control_point, effect.key.secs
-            ),
+            what: what(effect, first_secs),
             residual_mm: (effect.residual_mm.before, effect.residual_mm.after),
             unreachable: outcome.unreachable.as_ref().map(ToString::to_string),
         };
@@ -71,21 +54,10 @@ impl SeveralRow {
             capture: capture.to_owned(),
             kind,
             edit: outcome.name.clone(),
-            keys: effect.keys.iter().zip(&outcome.keys).map(key).collect(),
-            same_before: effects.first_change_secs.is_none_or(|secs| secs > first_secs),
-            acceleration_ratio,
-            jerk_ratio,
-            demanded: outcome.peaks_demanded,
-            strongest: outcome.strongest,
-            far_mm: effects.most_moved_far.as_ref().map_or(0.0, |moved| moved.mm),
+            keys: keys.iter().zip(&outcome.keys).map(key).collect(),
+            effect,
             n_runs: outcome.n_runs,
-            cost,
         }
-    }
-
-    /// Whether a strand moves more violently than it may.
-    pub fn is_violent(&self) -> bool {
-        f64::max(self.acceleration_ratio, self.jerk_ratio) > 1.5
     }
 }
 
@@ -100,26 +72,22 @@ impl DirectBenchReport {
     /// How well several keys are met together, and what else must hold, by kind and capture.
     pub fn several_summary(&self) -> Table {
         let columns = [
-            "keys",
-            "capture",
-            "drags",
-            "keys of these",
-            "asked mm",
-            "median mm",
-            "worst mm",
-            "within 1 mm",
-            "named unreachable",
-            "drags met",
-            "same before",
-            "acceleration ratio, worst",
-            "jerk ratio, worst",
-            "over 1.5",
-            "and not demanded",
-            "10 cm off, most mm",
-            "wall s, median",
-            "wall s, worst",
-            "CPU s, median",
-        ];
+            &[
+                "keys",
+                "capture",
+                "drags",
+                "keys of these",
+                "asked mm",
+                "median mm",
+                "worst mm",
+                "within 1 mm",
+                "named unreachable",
+                "drags met",
+            ][..],
+            &DragEffect::SUMMARY,
+            &["wall s, median", "wall s, worst", "CPU s, median"],
+        ]
+        .concat();
         let mut table = Table::new("Drags with several keys", &columns);
         for kind in Several::ALL {
             let of_kind: Vec<&SeveralRow> = self.several.iter().filter(|row| row.kind == kind).collect();
@@ -140,26 +108,15 @@ impl DirectBenchReport {
     /// Every key of every drag with several.
     pub fn several_keys(&self) -> Table {
         let columns = [
-            "capture",
-            "keys",
-            "drag",
-            "what",
-            "asked mm",
-            "solved mm",
-            "unreachable",
-            "acceleration ratio",
-            "jerk ratio",
-            "demanded",
-            "strongest m/s",
-            "10 cm off mm",
-            "runs",
-            "wall s",
-            "CPU s",
-        ];
+            &["capture", "keys", "drag", "what", "asked mm", "solved mm", "unreachable"][..],
+            &DragEffect::COLUMNS,
+            &["runs", "wall s", "CPU s"],
+        ]
+        .concat();
         let mut table = Table::new("Each of several keys", &columns);
         for row in &self.several {
             for key in &row.keys {
-                table.push(vec![
+                let mut cells = vec![
                     Cell::text(&row.capture),
                     Cell::text(row.kind.name()),
                     Cell::text(&row.edit),
@@ -167,15 +124,14 @@ impl DirectBenchReport {
                     Cell::number(key.residual_mm.0, 1),
                     Cell::number(key.residual_mm.1, 3),
                     Cell::text(key.unreachable.clone().unwrap_or_default()),
-                    Cell::number(row.acceleration_ratio, 2),
-                    Cell::number(row.jerk_ratio, 2),
-                    Cell::text(if row.demanded { "yes" } else { "" }),
-                    Cell::number(row.strongest, 1),
-                    Cell::number(row.far_mm, 3),
+                ];
+                cells.extend(row.effect.cells());
+                cells.extend([
                     Cell::number(row.n_runs as f64, 0),
-                    Cell::number(row.cost.wall_secs, 3),
-                    Cell::maybe(row.cost.cpu_secs, 3),
+                    Cell::number(row.effect.cost.wall_secs, 3),
+                    Cell::maybe(row.effect.cost.cpu_secs, 3),
                 ]);
+                table.push(cells);
             }
         }
         table
@@ -190,8 +146,7 @@ fn summary_row(kind: &str, capture: &str, rows: &[&SeveralRow]) -> Vec<Cell> {
     let middle = |mut values: Vec<f64>, decimals| Cell::number(median(&mut values), decimals);
     let worst = |values: Vec<f64>, decimals| Cell::number(values.into_iter().fold(0.0, f64::max), decimals);
     let count = |n: usize| Cell::number(n as f64, 0);
-    let drags = |is_so: &dyn Fn(&SeveralRow) -> bool| count(rows.iter().filter(|row| is_so(row)).count());
-    vec![
+    let mut cells = vec![
         Cell::text(kind),
         Cell::text(capture),
         count(rows.len()),
@@ -201,15 +156,14 @@ fn summary_row(kind: &str, capture: &str, rows: &[&SeveralRow]) -> Vec<Cell> {
         worst(of_keys(&|key| key.residual_mm.1), 2),
         count(keys.iter().filter(|key| key.is_met()).count()),
         count(keys.iter().filter(|key| key.unreachable.is_some()).count()),
-        drags(&|row| row.keys.iter().all(KeyRow::is_met)),
-        drags(&|row| row.same_before),
-        worst(of_drags(&|row| row.acceleration_ratio), 2),
-        worst(of_drags(&|row| row.jerk_ratio), 2),
-        drags(&SeveralRow::is_violent),
-        drags(&|row| row.is_violent() && !row.demanded),
-        worst(of_drags(&|row| row.far_mm), 3),
-        middle(of_drags(&|row| row.cost.wall_secs), 2),
-        worst(of_drags(&|row| row.cost.wall_secs), 2),
-        middle(of_drags(&|row| row.cost.cpu_secs.unwrap_or_default()), 2),
-    ]
+        count(rows.iter().filter(|row| row.keys.iter().all(KeyRow::is_met)).count()),
+    ];
+    let effects: Vec<&DragEffect> = rows.iter().map(|row| &row.effect).collect();
+    cells.extend(DragEffect::summary(&effects));
+    cells.extend([
+        middle(of_drags(&|row| row.effect.cost.wall_secs), 2),
+        worst(of_drags(&|row| row.effect.cost.wall_secs), 2),
+        middle(of_drags(&|row| row.effect.cost.cpu_secs.unwrap_or_default()), 2),
+    ]);
+    cells
 }
