@@ -52,11 +52,11 @@ pub struct PhysicalOptions {
 impl Default for PhysicalOptions {
     fn default() -> Self {
         Self {
-            cutoff_hz: 10.0,
+            cutoff_hz: 12.0,
             max_modes: 60,
             swirl_length_m: 0.14,
-            bend_error_rad: 0.15,
-            errors_last_secs: 0.2,
+            bend_error_rad: 0.12,
+            errors_last_secs: 0.1,
             fleeting_share: 0.5,
         }
     }

@@ -72,14 +72,14 @@ impl Setting {
         };
         vec![
             with("as it is", &|_| ()),
-            with("cutoff 7 Hz", &|o| o.cutoff_hz = 7.0),
-            with("cutoff 15 Hz", &|o| o.cutoff_hz = 15.0),
+            with("cutoff 8 Hz", &|o| o.cutoff_hz = 8.0),
+            with("cutoff 16 Hz", &|o| o.cutoff_hz = 16.0),
             with("swirls of 10 cm", &|o| o.swirl_length_m = 0.10),
             with("swirls of 18 cm", &|o| o.swirl_length_m = 0.18),
             with("bends off by 0.08", &|o| o.bend_error_rad = 0.08),
-            with("bends off by 0.25", &|o| o.bend_error_rad = 0.25),
-            with("errors last 0.1 s", &|o| o.errors_last_secs = 0.1),
-            with("errors last 0.4 s", &|o| o.errors_last_secs = 0.4),
+            with("bends off by 0.20", &|o| o.bend_error_rad = 0.20),
+            with("errors last 0.05 s", &|o| o.errors_last_secs = 0.05),
+            with("errors last 0.2 s", &|o| o.errors_last_secs = 0.2),
             with("0.3 of errors fleeting", &|o| o.fleeting_share = 0.3),
             with("0.7 of errors fleeting", &|o| o.fleeting_share = 0.7),
         ]
