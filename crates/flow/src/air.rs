@@ -120,8 +120,8 @@ impl AirFlow {
         WindAt { velocity, change, left_out_mps: scale * f64::max(1.0 - carried / 3.0, 0.0).sqrt() }
     }
 
-    /// The covariance of the wind, (m/s)², at each of many points of one step. All at once is ten times as quick as one after
-    /// the other.
+    /// The covariance of the wind, (m/s)², at each of many points of one step. All at once is several times as quick as
+    /// one after the other.
     pub fn covariances(&self, step: usize, winds: &[WindAt]) -> Vec<Matrix3<f64>> {
         let state = &self.states[step];
         let changes = winds.iter().flat_map(|wind| wind.change.iter().copied());

@@ -79,8 +79,8 @@ pub(crate) fn less_body(
     }
 }
 
-/// What is to be taken off to whiten anew what has unknowns C of variance 1 beside errors of variance 1: less C times this
-/// times itself. `None` if a number is not finite.
+/// What is told of unknowns C of variance 1 that stand beside errors of variance 1: less C times this, a whitened imbalance is
+/// whitened anew. `None` if a number is not finite.
 ///
 /// With `I + CᵀC = LLᵀ` that is `(L + I)⁻ᵀ L⁻¹ Cᵀ` (Andrews, "A square root formulation of the Kalman covariance equations",
 /// 1968): the unknowns are few, so their product is small.
