@@ -7,20 +7,30 @@ use tousle_core::NoProgress;
 
 /// Drags on one capture, with one key and with several; the whole is three captures with more of each.
 static REPORT: LazyLock<Option<DirectBenchReport>> = LazyLock::new(|| {
-    let shared = std::env::var_os("TOUSLE_SHARED")?;
     let names = vec!["gusts_left".into()];
-    let options = DirectBenchOptions { names, n_drags: 5, n_several: 2, seed: 7 };
-    let report = run(&Path::new(&shared).join("captures"), &options, &NoProgress).expect("a bench");
+    bench(&DirectBenchOptions { names, n_drags: 5, n_several: 2, seed: 7 })
+});
+
+/// What the bench says; `None` where there are no captures, and then it says that.
+fn bench(options: &DirectBenchOptions) -> Option<DirectBenchReport> {
+    let Some(shared) = std::env::var_os("TOUSLE_SHARED") else {
+        eprintln!("skipped: TOUSLE_SHARED is not set");
+        return None;
+    };
+    let report = run(&Path::new(&shared).join("captures"), options, &NoProgress).expect("a bench");
     eprintln!("{}", report.to_text());
     Some(report)
-});
+}
+
+/// Keys of drags with several, and how many of them are met.
+fn several_keys(report: &DirectBenchReport) -> (usize, usize) {
+    let keys: Vec<_> = report.several.iter().flat_map(|row| &row.keys).collect();
+    (keys.len(), keys.iter().filter(|key| key.is_met()).count())
+}
 
 #[test]
 fn drags_on_a_capture_meet_their_keys() {
-    let Some(report) = &*REPORT else {
-        eprintln!("skipped: TOUSLE_SHARED is not set");
-        return;
-    };
+    let Some(report) = &*REPORT else { return };
     for row in &report.rows {
         let solved = &row.solved;
         assert!(solved.residual_mm.1 <= 1.0 || solved.unreachable.is_some(), "{row:#?}");
@@ -34,17 +44,13 @@ fn drags_on_a_capture_meet_their_keys() {
 /// the others named, and no strand is more violent than it may be unless a key demands it.
 #[test]
 fn several_keys_on_a_capture_are_met_together() {
-    let Some(report) = &*REPORT else {
-        eprintln!("skipped: TOUSLE_SHARED is not set");
-        return;
-    };
+    let Some(report) = &*REPORT else { return };
     for row in &report.several {
         assert!(row.keys.iter().all(|key| key.is_met() || key.unreachable.is_some()), "{row:#?}");
         assert!(row.effect.same_before && row.effect.far_mm < 1.0, "{row:#?}");
         assert!(row.keys.len() > 1 && (!row.effect.is_violent() || row.effect.demanded), "{row:#?}");
     }
-    let keys: Vec<_> = report.several.iter().flat_map(|row| &row.keys).collect();
-    let (n, met) = (keys.len(), keys.iter().filter(|key| key.is_met()).count());
+    let (n, met) = several_keys(report);
     assert!(report.several.len() == 6 && met * 100 >= n * 95, "{met} of {n} met");
 }
 
@@ -52,17 +58,10 @@ fn several_keys_on_a_capture_are_met_together() {
 #[test]
 #[ignore = "some minutes; `tousle bench direct` is the same"]
 fn drags_on_three_captures_meet_their_keys_or_say_why_not() {
-    let Some(shared) = std::env::var_os("TOUSLE_SHARED") else {
-        eprintln!("skipped: TOUSLE_SHARED is not set");
-        return;
-    };
-    let options = DirectBenchOptions::default();
-    let report = run(&Path::new(&shared).join("captures"), &options, &NoProgress).expect("a bench");
-    eprintln!("{}", report.to_text());
+    let Some(report) = bench(&DirectBenchOptions::default()) else { return };
     let (n, met) =
         (report.rows.len(), report.rows.iter().filter(|row| row.solved.residual_mm.1 <= 1.0).count());
     assert!(met * 100 >= n * 95, "{met} of {n} met");
-    let keys: Vec<_> = report.several.iter().flat_map(|row| &row.keys).collect();
-    let (n, met) = (keys.len(), keys.iter().filter(|key| key.is_met()).count());
+    let (n, met) = several_keys(&report);
     assert!(met * 100 >= n * 95, "{met} of {n} of several keys met");
 }
