@@ -1,6 +1,8 @@
+mod layers;
 mod places;
 
 use crate::{Field, FieldLayer, FieldSequence, Window};
+use layers::Placed;
 use places::{Places, Raw, Voxels, lay_together};
 use std::sync::{Arc, OnceLock};
 use tousle_core::Vec3;
@@ -21,8 +23,6 @@ pub struct Sampler<'a> {
     /// Whether a step is still, outside the grid too.
     is_still: Arc<[bool]>,
     layers: Vec<Placed<'a>>,
-    /// How many variants' points are asked for in turn; 1 if there are none.
-    turns: usize,
     origin: [f32; 3],
     per_edge: f32,
     /// Half the box's shortest side, m.
@@ -37,31 +37,7 @@ pub struct Moment<'a> {
     outside: [f32; 3],
     is_still: bool,
     /// The layers that are there, and how much of each.
-    layers: Vec<(&'a Placed<'a>, f64)>,
-}
-
-/// A layer, and where it is.
-#[derive(Clone, Debug)]
-struct Placed<'a> {
-    layer: &'a FieldLayer,
-    /// Opposite corners of a box that holds all it does, head space, m.
-    corners_m: (Vec3, Vec3),
-    /// Of variants: whose it is. `None`: everybody's.
-    turn: Option<usize>,
-}
-
-impl<'a> Placed<'a> {
-    /// A layer that may do something; `None` if it never does.
-    fn new(layer: &'a FieldLayer, turn: Option<usize>) -> Option<Self> {
-        let corners_m = layer.corners_m().filter(|_| !layer.does_nothing())?;
-        Some(Self { layer, corners_m, turn })
-    }
-
-    /// Whether it may do something at the point that is asked for as the `k`-th.
-    fn acts_at(&self, point_m: Vec3, k: usize, turns: usize) -> bool {
-        let (low, high) = &self.corners_m;
-        self.turn.is_none_or(|turn| k % turns == turn) && *low <= point_m && point_m <= *high
-    }
+    layers: Vec<(&'a Placed<'a>, f32)>,
 }
 
 /// How a [`Sampler`] reads the steps of its field. The vectors are the same to the bit.
@@ -116,8 +92,7 @@ impl<'a> Sampler<'a> {
             laid_out: sequence.steps.iter().map(|_| OnceLock::new()).collect(),
             is_still: sequence.steps.iter().map(is_still).collect(),
             air: any_without.then(|| has_air.iter().map(|air| f32::from(u8::from(*air))).collect()),
-            layers: sequence.layers.iter().filter_map(|layer| Placed::new(layer, None)).collect(),
-            turns: 1,
+            layers: Placed::common(&sequence.layers),
             origin: grid.origin_m.map(|c| c as f32).into(),
             per_edge: (1.0 / grid.edge_m) as f32,
             fades_over: (0.5 * shortest) as f32,
@@ -153,12 +128,8 @@ impl<'a> Sampler<'a> {
     /// The same steps under other layers, for variants that are asked for in turn: of the points given to
     /// [`Moment::sample_many`], every n-th belongs to the same of n variants and sees its layers beside the common ones.
     pub fn with_variants(&self, layers: &'a [FieldLayer], variants: &[&'a [FieldLayer]]) -> Self {
-        let common = layers.iter().filter_map(|layer| Placed::new(layer, None));
-        let own = variants
-            .iter()
-            .enumerate()
-            .flat_map(|(turn, layers)| layers.iter().filter_map(move |layer| Placed::new(layer, Some(turn))));
-        Self { layers: common.chain(own).collect(), turns: variants.len().max(1), ..self.clone() }
+        let layers = [Placed::common(layers), Placed::in_turn(variants)].concat();
+        Self { layers, ..self.clone() }
     }
 
     /// The field at a time, s; before the first step the first holds, after the last the last.
@@ -169,7 +140,7 @@ impl<'a> Sampler<'a> {
         let slice = self.sequence.at(time_secs);
         let (around, share) = slice.around();
         let share = share as f32;
-        let layers = self.layers.iter().map(|placed| (placed, placed.layer.presence(time_secs)));
+        let layers = self.layers.iter().map(|placed| (placed, placed.presence(time_secs) as f32));
         let layers: Vec<_> = layers.filter(|(_, presence)| *presence > 0.0).collect();
         let laid_out = || around.map(|step| self.laid_out[step].get_or_init(|| self.lay_out(step)));
         let source = match reading {
@@ -305,8 +276,8 @@ impl Moment<'_> {
                 vectors[axis][k] = inside + (self.outside[axis] - inside) * places.far[k];
             }
         }
-        if !self.layers.is_empty() {
-            self.add_layers(points_m, &mut vectors);
+        for (placed, presence) in &self.layers {
+            placed.apply(points_m, *presence, &mut vectors);
         }
         vectors
     }
@@ -314,20 +285,6 @@ impl Moment<'_> {
     /// [`Moment::sample_many`] for a single point.
     pub fn sample(&self, point_m: [f32; 3]) -> [f32; 3] {
         self.sample_many(&point_m.map(|c| [c; WIDTH])).map(|component| component[0])
-    }
-
-    #[inline(never)]
-    fn add_layers(&self, points_m: &[[f32; WIDTH]; 3], vectors: &mut [[f32; WIDTH]; 3]) {
-        for k in 0..WIDTH {
-            let point_m = Vec3::from(points_m.map(|component| f64::from(component[k])));
-            let acting =
-                self.layers.iter().filter(|(placed, _)| placed.acts_at(point_m, k, self.sampler.turns));
-            let before = Vec3::from([0, 1, 2].map(|axis| f64::from(vectors[axis][k])));
-            let after = acting.fold(before, |v, (placed, share)| placed.layer.apply(point_m, *share, v));
-            for axis in 0..3 {
-                vectors[axis][k] = after[axis] as f32;
-            }
-        }
     }
 }
 
