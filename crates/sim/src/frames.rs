@@ -53,39 +53,65 @@ impl<L: Lane, I: Iterator<Item = Vector<L>>> NullaryFnOnce for PutEnds<'_, I> {
 /// The largest change of any stick's length from the first frame's, as a share of it, over all frames.
 pub fn max_stretch(motion: &StrandMotion) -> f64 {
     let n_points = motion.n_points();
-    let mut lengths2 = Vec::new();
-    put_lengths2(motion.frame(0), &mut lengths2);
+    let first = motion.frame(0);
     // Of the stick that begins at each point; there is none at a tip.
-    let mut per_rest2 = vec![f32::NAN; lengths2.len()];
-    let mut first = 0;
+    let mut per_rest2 = vec![f32::NAN; n_points];
+    let mut tip = 0;
     for n in &motion.counts {
-        let sticks = first..first + n.saturating_sub(1);
-        per_rest2[sticks.clone()]
-            .iter_mut()
-            .zip(&lengths2[sticks])
-            .for_each(|(per, rest2)| *per = 1.0 / rest2);
-        first += n;
+        let root = tip;
+        tip += n;
+        for point in root..tip.saturating_sub(1) {
+            per_rest2[point] = 1.0 / length2(first[point], first[point + 1]);
+        }
     }
-    // Least and most of squared lengths; neither hears of a NaN.
-    let stretch = |lengths2: &mut Vec<f32>, frame: &[[f32; 3]]| {
-        put_lengths2(frame, lengths2);
-        let shares = lengths2.iter().zip(&per_rest2).map(|(length2, per_rest2)| length2 * per_rest2);
-        shares.fold((1.0, 1.0), |(least, most), share| (f32::min(least, share), f32::max(most, share)))
-    };
+    let arch = pulp::Arch::new();
+    let stretch = |frame| arch.dispatch(Shares { frame, per_rest2: &per_rest2 });
     let wider = |a: (f32, f32), b: (f32, f32)| (a.0.min(b.0), a.1.max(b.1));
     let frames = motion.positions_m.par_chunks_exact(n_points.max(1));
-    let (least, most) = frames.map_init(Vec::new, stretch).reduce(|| (1.0, 1.0), wider);
+    let (least, most) = frames.map(stretch).reduce(|| (1.0, 1.0), wider);
     f64::max(1.0 - f64::from(least).sqrt(), f64::from(most).sqrt() - 1.0)
 }
 
-/// Puts the squared distance of each point of a frame from the next, m², in place of what was there.
-fn put_lengths2(frame: &[[f32; 3]], lengths2: &mut Vec<f32>) {
-    lengths2.clear();
-    lengths2.extend(frame.windows(2).map(|pair| {
-        let ([from_x, from_y, from_z], [x, y, z]) = (pair[0], pair[1]);
-        let (x, y, z) = (x - from_x, y - from_y, z - from_z);
-        x * x + y * y + z * z
-    }));
+#[inline(always)]
+fn length2([from_x, from_y, from_z]: [f32; 3], [x, y, z]: [f32; 3]) -> f32 {
+    let (x, y, z) = (x - from_x, y - from_y, z - from_z);
+    x * x + y * y + z * z
+}
+
+/// The least and the most that a stick's squared length is of what it was, in a frame; of 1 and these.
+struct Shares<'a> {
+    frame: &'a [[f32; 3]],
+    /// One over what it was; nobody hears of a NaN.
+    per_rest2: &'a [f32],
+}
+
+impl NullaryFnOnce for Shares<'_> {
+    type Output = (f32, f32);
+
+    #[inline(always)]
+    fn call(self) -> (f32, f32) {
+        /// Sticks side by side.
+        const N: usize = 16;
+        let (mut least, mut most) = ([1.0; N], [1.0; N]);
+        let mut hear = |k: usize, share: f32| {
+            least[k] = if share < least[k] { share } else { least[k] };
+            most[k] = if share > most[k] { share } else { most[k] };
+        };
+        let n_sticks = self.frame.len().saturating_sub(1);
+        let whole = n_sticks - n_sticks % N;
+        for first in (0..whole).step_by(N) {
+            // Slices of one length: only so the compiler makes vector instructions of the loop.
+            let (from, to) = (&self.frame[first..first + N], &self.frame[first + 1..first + 1 + N]);
+            let per_rest2 = &self.per_rest2[first..first + N];
+            for k in 0..N {
+                hear(k, length2(from[k], to[k]) * per_rest2[k]);
+            }
+        }
+        for k in whole..n_sticks {
+            hear(k % N, length2(self.frame[k], self.frame[k + 1]) * self.per_rest2[k]);
+        }
+        (least.into_iter().fold(1.0, f32::min), most.into_iter().fold(1.0, f32::max))
+    }
 }
 
 /// The positions of some strands in all frames, to be filled strand by strand.
