@@ -20,7 +20,7 @@ use crate::{BenchError, CaptureFolder, Cost, Stopwatch};
 use draw::{Board, Dice};
 use tousle_core::{Groom, NoProgress, Progress, StrandMotion, Vec3};
 use tousle_direct::{DirectOptions, Directed, EditMethod, Made, Stage, apply};
-use tousle_edit::{EditEffects, EditList, StrandPath, measure};
+use tousle_edit::{EditEffects, EditList, StrandPath, Under, measure};
 use tousle_field::{FieldLayer, FieldSequence, LayerKey, Scene};
 use tousle_pipeline::{ConvertOptions, Input, Silent, convert};
 use tousle_sim::{Method, SimOptions, Simulator};
@@ -184,7 +184,8 @@ impl<'a> Watched<'a> {
         let directed = apply(&stage, &[], &self.unedited, edits, &options)?;
         let cost = watch.stop();
         let after = self.simulator.simulate(&directed.stack, &NoProgress)?.motion;
-        let effects = measure(&self.unedited, &after, groom, directed.added())?;
+        let before = Under { motion: &self.unedited, layers: &[] };
+        let effects = measure(before, Under { motion: &after, layers: &directed.stack }, groom)?;
         Ok(Done { directed, effects, cost })
     }
 

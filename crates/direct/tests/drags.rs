@@ -4,7 +4,7 @@
 use tousle_bench::worlds::{groom, mannequin, straight, uniform};
 use tousle_core::{Groom, NoProgress, Quantity, StrandMotion, Vec3};
 use tousle_direct::{DirectOptions, Directed, EditMethod, Made, SolvedOutcome, Stage, apply};
-use tousle_edit::{Unreachable, measure, read_edits};
+use tousle_edit::{EditEffects, Under, Unreachable, measure, read_edits};
 use tousle_field::{FieldSequence, Scene};
 use tousle_sim::{Method, SimOptions, Simulator};
 
@@ -54,6 +54,17 @@ impl World {
     }
 }
 
+/// What edits did to a motion without any.
+fn effects_of(
+    world: &World,
+    before: &StrandMotion,
+    directed: &Directed,
+    after: &StrandMotion,
+) -> EditEffects {
+    let before = Under { motion: before, layers: &[] };
+    measure(before, Under { motion: after, layers: &directed.stack }, &world.groom).unwrap()
+}
+
 fn solved(directed: &Directed) -> &SolvedOutcome {
     let [Made::Physical(outcome)] = &directed.report.edits[..] else { panic!("{:?}", directed.report) };
     outcome
@@ -78,12 +89,12 @@ fn key_is_met(quantity: Quantity) {
     let is_met = key.residual_mm.after <= 1.0;
     assert!(is_met || key.unreachable.is_some(), "{outcome:#?}");
     assert!(key.residual_mm.after < 5.0, "{outcome:#?}");
-    let effects = measure(&before, &after, &world.groom, directed.added()).unwrap();
+    let effects = effects_of(&world, &before, &directed, &after);
     let measured = effects.edits[0].keys[0].residual_mm;
     assert!((measured.after - key.residual_mm.after).abs() < 0.01, "{measured:?}");
     assert!(effects.first_change_secs.is_some_and(|secs| secs > 1.0));
     let (paper, before, after) = world.directed(PULL, EditMethod::Paper);
-    let effects = measure(&before, &after, &world.groom, paper.added()).unwrap();
+    let effects = effects_of(&world, &before, &paper, &after);
     eprintln!(
         "{quantity:?}: E4 {:.1} mm, solved {:.3} mm; acceleration x {:.2}, jerk x {:.2}; {} runs, {} handles",
         effects.edits[0].keys[0].residual_mm.after,

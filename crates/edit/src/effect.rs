@@ -6,14 +6,23 @@ use serde::Serialize;
 use tousle_core::{Groom, StrandMotion, Vec3};
 use tousle_field::{FieldLayer, LayerKey};
 
-/// What some layers did to the motion of a groom.
+/// The motion of a groom under a stack of layers.
+#[derive(Clone, Copy, Debug)]
+pub struct Under<'a> {
+    /// The motion.
+    pub motion: &'a StrandMotion,
+    /// The layers.
+    pub layers: &'a [FieldLayer],
+}
+
+/// What a change of the stack did to the motion of a groom.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EditEffects {
-    /// One entry an edit, in stack order.
+    /// One entry an edit that is new or another now, in stack order.
     pub edits: Vec<EditEffect>,
     /// The first frame in which any point differs, s; `None` if the two motions are the same to the bit.
     pub first_change_secs: Option<f64>,
-    /// The strand that moved most although it never came within the reach of any handle.
+    /// The strand that moved most although it never came within the reach of any handle that is new, gone or another.
     pub most_moved_outside: Option<Moved>,
     /// The same among the strands that stayed [`FAR_M`] or more outside every reach.
     pub most_moved_far: Option<Moved>,
@@ -87,16 +96,16 @@ pub struct Residual {
 /// Well outside a reach, m: from here on nothing worth seeing should move.
 pub const FAR_M: f64 = 0.1;
 
-/// Compares two motions of one groom, without and with the edits that `layers` hold.
+/// Compares the motions of one groom under two stacks.
 ///
 /// # Errors
 /// [`EditError::OtherGroom`] if the motions are not both of this groom and of the same frames.
-pub fn measure(
-    before: &StrandMotion,
-    after: &StrandMotion,
-    groom: &Groom,
-    layers: &[FieldLayer],
-) -> Result<EditEffects, EditError> {
+pub fn measure(before: Under<'_>, after: Under<'_>, groom: &Groom) -> Result<EditEffects, EditError> {
+    let only_in = |one: Under<'_>, other: Under<'_>| -> Vec<FieldLayer> {
+        one.layers.iter().filter(|layer| !other.layers.contains(layer)).cloned().collect()
+    };
+    let (gone, new) = (only_in(before, after), only_in(after, before));
+    let (before, after) = (before.motion, after.motion);
     check_motion(before, groom)?;
     check_motion(after, groom)?;
     if before.times_secs != after.times_secs {
@@ -104,14 +113,18 @@ pub fn measure(
         return Err(EditError::OtherGroom { found, frames, expected });
     }
     let clearances: Vec<f64> = (0..groom.strands.len())
-        .map(|s| f64::min(clearance_m(before, s, layers), clearance_m(after, s, layers)))
+        .map(|s| {
+            [(before, &gone), (before, &new), (after, &gone), (after, &new)]
+                .map(|(m, l)| clearance_m(m, s, l))
+        })
+        .map(|clearances| clearances.into_iter().fold(f64::INFINITY, f64::min))
         .collect();
     let most_moved = |clear_m: f64| {
         let clear = (0..groom.strands.len()).filter(|s| clearances[*s] >= clear_m);
         clear.map(|s| moved(before, after, groom, s)).max_by(|a, b| a.mm.total_cmp(&b.mm))
     };
     Ok(EditEffects {
-        edits: by_edit(layers).into_iter().map(|layer| effect(before, after, groom, layer)).collect(),
+        edits: by_edit(&new).into_iter().map(|layer| effect(before, after, groom, layer)).collect(),
         first_change_secs: first_change_secs(before, after),
         most_moved_outside: most_moved(0.0),
         most_moved_far: most_moved(FAR_M),
@@ -326,11 +339,18 @@ mod tests {
         }
     }
 
+    /// What becomes of a still motion by `way`, and of one stack by another.
+    fn compared(way: impl Fn(usize) -> f32, before: &[FieldLayer], after: &[FieldLayer]) -> EditEffects {
+        let (still, moved) = (motion(|_| 0.0), motion(way));
+        let before = Under { motion: &still, layers: before };
+        measure(before, Under { motion: &moved, layers: after }, &groom()).unwrap()
+    }
+
     /// From 1.1 s on the tip is 1, 4, 9, … mm higher: an acceleration of 0.2 m/s², a jerk of 1 m/s³ at the start.
     #[test]
     fn residual_acceleration_and_jerk_by_hand() {
         let way = |k: usize| if k > 10 { ((k - 10) * (k - 10)) as f32 * 1e-3 } else { 0.0 };
-        let effects = measure(&motion(|_| 0.0), &motion(way), &groom(), &[layer()]).unwrap();
+        let effects = compared(way, &[], &[layer()]);
         let effect = &effects.edits[0];
         let residual = effect.keys[0].residual_mm;
         assert!(
@@ -349,7 +369,7 @@ mod tests {
     #[test]
     fn who_moved_outside_the_reach_is_named() {
         let way = |k: usize| if k > 10 { 0.01 } else { 0.0 };
-        let effects = measure(&motion(|_| 0.0), &motion(way), &groom(), &[layer()]).unwrap();
+        let effects = compared(way, &[], &[layer()]);
         // A is within the reach, B stays, C is 0.44 m away and moved by 1 mm all the same.
         let far = effects.most_moved_far.unwrap();
         assert_eq!((far.strand.as_str(), far.secs), ("C", 1.1));
@@ -357,11 +377,26 @@ mod tests {
         assert_eq!(effects.most_moved_outside.unwrap().strand, "C");
     }
 
+    /// A layer that is muted lets go of what was in its reach.
+    #[test]
+    fn what_was_in_reach_of_a_layer_that_is_gone_is_not_outside() {
+        let way = |k: usize| if k > 10 { 0.01 } else { 0.0 };
+        let muted = FieldLayer { muted: true, ..layer() };
+        for after in [vec![muted], vec![]] {
+            let effects = compared(way, &[layer()], &after);
+            assert_eq!(effects.edits.len(), after.len());
+            assert_eq!(effects.most_moved_outside.unwrap().strand, "C");
+        }
+        let same = compared(way, &[layer()], &[layer()]);
+        assert!(same.edits.is_empty());
+        assert_eq!(same.most_moved_outside.unwrap().strand, "A");
+    }
+
     #[test]
     fn nothing_done_is_no_change() {
         let residual = &residuals(&motion(|_| 0.0), &groom(), &[layer()]).unwrap()[0];
         assert_eq!((residual.edit_id.as_str(), residual.mm.map(f64::round)), ("lift", Some(30.0)));
-        let effects = measure(&motion(|_| 0.0), &motion(|_| 0.0), &groom(), &[layer()]).unwrap();
+        let effects = compared(|_| 0.0, &[], &[layer()]);
         assert_eq!(effects.first_change_secs, None);
         let mut elsewhere = layer();
         elsewhere.origin = LayerOrigin::Drag {
@@ -370,7 +405,7 @@ mod tests {
             target_m: Vec3::zeros(),
             method: "paper".into(),
         };
-        let effects = measure(&motion(|_| 0.0), &motion(|_| 0.0), &groom(), &[elsewhere]).unwrap();
+        let effects = compared(|_| 0.0, &[], &[elsewhere]);
         assert!(effects.edits[0].keys.is_empty());
     }
 }

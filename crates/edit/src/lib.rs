@@ -26,7 +26,7 @@ pub use apply::{Edited, Layers, METHOD, apply, free_id, make_layers, make_layers
 pub use chain::{Dragged, drag};
 pub use e4::{Way, handles};
 pub use effect::{
-    Change, EditEffect, EditEffects, FAR_M, KeyEffect, Moved, Residual, StrandEffect, measure,
+    Change, EditEffect, EditEffects, FAR_M, KeyEffect, Moved, Residual, StrandEffect, Under, measure,
     peak_acceleration, peak_jerk, residuals,
 };
 pub use error::EditError;

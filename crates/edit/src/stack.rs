@@ -48,6 +48,21 @@ pub enum StackChange {
     },
 }
 
+impl std::fmt::Display for StackChange {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Mute { edit } => write!(f, "muted `{edit}`"),
+            Self::Unmute { edit } => write!(f, "`{edit}` is heard again"),
+            Self::Rename { edit, name } => write!(f, "renamed `{edit}` to {name:?}"),
+            Self::Remove { edit } => write!(f, "removed `{edit}`"),
+            Self::Retime { edit, first_secs, last_secs } => {
+                write!(f, "moved `{edit}` to {first_secs:.3} to {last_secs:.3} s")
+            }
+            Self::Mirror { edit } => write!(f, "mirrored `{edit}`"),
+        }
+    }
+}
+
 /// The stack after some changes, one after another.
 ///
 /// # Errors

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use tousle_core::{Groom, NoProgress, Strand, StrandMotion, Vec3};
 use tousle_edit::{
     Action, ControlPoint, DEFAULT_EASE, DEFAULT_REACH_M, Drag, Edit, EditList, EditOptions, Edited, KeyTime,
-    Target, apply, measure,
+    Target, Under, apply, measure,
 };
 use tousle_field::{FieldSequence, Scene};
 use tousle_fit::{FitMethod, FitOptions, PaperOptions};
@@ -84,8 +84,9 @@ fn strands_move_towards_their_targets_without_a_jump() {
     for k in 0..8 {
         let edited = shot.edited(&shot.drag(k));
         let motion = simulated(&edited.sequence, &shot.scene, &shot.groom);
-        let effects =
-            measure(&shot.unedited, &motion, &shot.groom, &edited.sequence.layers).expect("two motions");
+        let before = Under { motion: &shot.unedited, layers: &[] };
+        let after = Under { motion: &motion, layers: &edited.sequence.layers };
+        let effects = measure(before, after, &shot.groom).expect("two motions");
         let effect = &effects.edits[0];
         let (residual, strand) = (effect.keys[0].residual_mm, &effect.strands[0]);
         let share = residual.after / residual.before;

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::Instant;
 use tousle_core::{Groom, StrandMotion};
 use tousle_direct::{DirectOptions, Stage};
-use tousle_edit::{Change, EditEffects};
+use tousle_edit::{Change, EditEffects, Under};
 use tousle_eff::{Eff, WriteOptions};
 use tousle_fit::{FitMethod, FitOptions};
 use tousle_groom::GroomOptions;
@@ -189,7 +189,8 @@ fn edit(
         let stage = watch.stage("simulate");
         let after = simulator.simulate(&layers, &*stage)?.motion;
         drop(stage);
-        let effects = tousle_edit::measure(before, &after, groom, &layers)?;
+        let before = Under { motion: before, layers: &[] };
+        let effects = tousle_edit::measure(before, Under { motion: &after, layers: &layers }, groom)?;
         let mut eff = eff.clone();
         eff.field.layers = layers;
         write_whole(&folder.path.join("lifted.eff.mcap"), |out| {

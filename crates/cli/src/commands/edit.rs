@@ -6,13 +6,17 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::io::Cursor;
 use tousle_direct::{DirectOptions, DirectReport, Made, Stage, apply};
-use tousle_edit::EditEffects;
+use tousle_edit::{EditEffects, StackChange, Under};
+use tousle_field::{FieldLayer, LayerOrigin};
 use tousle_pipeline::{Watch, read_file, write_whole};
 use tousle_sim::{Method, SimOptions, Simulator};
 
 /// What the edits became, and what they did.
 #[derive(Serialize)]
 struct Report {
+    /// Changes of edits that were on the field.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    changes: Vec<StackChange>,
     #[serde(flatten)]
     made: DirectReport,
     effects: EditEffects,
@@ -41,18 +45,20 @@ pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         .with_context(|| format!("cannot apply the edits {}", args.edits.display()))?;
     drop(stage);
     let after = simulator.simulate(&directed.stack, &tousle_core::NoProgress)?.motion;
-    let effects = tousle_edit::measure(&before, &after, groom, directed.added())?;
+    let before = Under { motion: &before, layers: &field.layers };
+    let after = Under { motion: &after, layers: &directed.stack };
+    let effects = tousle_edit::measure(before, after, groom)?;
     let stage = watch.stage("write");
     // The voxels are copied as they are packed: however often a field is edited, they stay what they were.
     write_whole(&args.output, |out| {
         tousle_eff::replace_layers(Cursor::new(&bytes), &directed.stack, out, &*stage)
     })?;
     drop(stage);
-    let report = Report { made: directed.report, effects };
+    let report = Report { changes: edits.changes, made: directed.report, effects };
     if args.json {
         print_json(&report)?;
     } else {
-        print!("{}", summary(&report));
+        print!("{}", summary(&report, &directed.stack));
         println!("wrote {}", args.output.display());
     }
     Ok(losses(&report.made))
@@ -70,11 +76,20 @@ fn losses(report: &DirectReport) -> Outcome {
     outcome
 }
 
-fn summary(report: &Report) -> String {
+fn summary(report: &Report, stack: &[FieldLayer]) -> String {
     let mut text = String::new();
+    for change in &report.changes {
+        let _ = writeln!(text, "{change}");
+    }
     for effect in &report.effects.edits {
         let made = report.made.edits.iter().find(|made| made.edit_id() == effect.edit_id);
-        let how = made.map_or_else(|| "a change of the wind".to_owned(), how);
+        let layer = stack.iter().find(|layer| layer.edit_id() == effect.edit_id);
+        let how = match (made, layer.map(|layer| &layer.origin)) {
+            (Some(made), _) => how(made),
+            (None, Some(LayerOrigin::Wind { .. })) => "a change of the wind".to_owned(),
+            (None, Some(LayerOrigin::Mirrored { of, .. })) => format!("`{of}` on the other side"),
+            (None, _) => "changed".to_owned(),
+        };
         let _ = writeln!(text, "edit {:?}, {how}", effect.name);
         for key in &effect.keys {
             let _ = writeln!(

@@ -132,11 +132,15 @@ fn percent(value: &mut f64, most: f64) -> DragValue<'_> {
     DragValue::new(value).range(0.0..=most).speed(0.5).fixed_decimals(0).suffix(" %")
 }
 
+/// A target that the point comes so near to, mm, needs no look.
+const MET_MM: f64 = 1.0;
+
 fn outcome(ui: &mut Ui, studio: &Studio, id: &str) {
     ui.add_space(4.0);
     if let Some(mm) = studio.residual_mm(id) {
         let text = format!("{mm:.1} mm from the target at the second key");
-        ui.label(RichText::new(text).color(theme::WARM));
+        let is_met = mm <= MET_MM;
+        ui.label(RichText::new(text).color(if is_met { theme::ACCENT } else { theme::WARM }));
     }
     let Some(outcome) = studio.shown.outcomes.get(id) else { return };
     if let Some(asked_mm) = asked_mm(outcome) {
