@@ -209,6 +209,11 @@ impl Basis {
         self.patches[self.layer_of(vector)].strand == strand
     }
 
+    /// When the layer that a vector is in begins, s.
+    pub(crate) fn first_secs(&self, vector: usize) -> f64 {
+        self.times.of_layer(self.patches[self.layer_of(vector)].time).0
+    }
+
     /// Which of the layers a vector is in.
     pub(crate) fn layer_of(&self, vector: usize) -> usize {
         self.patches.partition_point(|patch| patch.first <= vector) - 1

@@ -20,18 +20,23 @@ pub(crate) struct Normal {
 impl Normal {
     /// Of rows that count by weights, and how they change.
     pub(crate) fn new(jacobian: &DMatrix<f64>, rows: &DVector<f64>, weights: &DVector<f64>) -> Self {
-        let mut is_felt = vec![false; jacobian.nrows()];
+        let mut largest = vec![0.0; jacobian.nrows()];
         for column in jacobian.column_iter() {
-            column.iter().zip(&mut is_felt).for_each(|(change, is_felt)| *is_felt |= *change != 0.0);
+            for (largest, change) in largest.iter_mut().zip(column.iter()) {
+                *largest = f64::max(*largest, change.abs());
+            }
         }
-        let felt: Vec<usize> = (0..jacobian.nrows()).filter(|row| is_felt[*row]).collect();
+        let felt: Vec<usize> = (0..jacobian.nrows()).filter(|row| largest[*row] > 0.0).collect();
         let weights = weights.select_rows(&felt);
-        let mut weighed = jacobian.select_rows(&felt);
-        for mut column in weighed.column_iter_mut() {
-            column.component_mul_assign(&weights);
-        }
+        // Column by column, as they lie in memory.
+        let columns = jacobian.column_iter().flat_map(|column| {
+            felt.iter().zip(weights.iter()).map(move |(row, weight)| column[*row] * weight)
+        });
+        let weighed = DMatrix::from_iterator(felt.len(), jacobian.ncols(), columns);
         let gradient = weighed.tr_mul(&rows.select_rows(&felt).component_mul(&weights));
-        Self { matrix: weighed.tr_mul(&weighed), gradient, felt, weights, weighed }
+        // By the library's blocked product, which its `tr_mul` is not.
+        let matrix = weighed.transpose() * &weighed;
+        Self { felt, weighed, weights, matrix, gradient }
     }
 
     /// The step that makes the rows least: `−(JᵀJ + λ diag JᵀJ)⁻¹ Jᵀ rows` (Marquardt 1963).

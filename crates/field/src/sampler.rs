@@ -128,8 +128,9 @@ impl<'a> Sampler<'a> {
     /// The same steps under other layers, for variants that are asked for in turn: of the points given to
     /// [`Moment::sample_many`], every n-th belongs to the same of n variants and sees its layers beside the common ones.
     pub fn with_variants(&self, layers: &'a [FieldLayer], variants: &[&'a [FieldLayer]]) -> Self {
-        let layers = [Placed::common(layers), Placed::in_turn(variants)].concat();
-        Self { layers, ..self.clone() }
+        let mut placed = Placed::common(layers);
+        placed.extend(Placed::in_turn(variants));
+        Self { layers: placed, ..self.clone() }
     }
 
     /// The field at a time, s; before the first step the first holds, after the last the last.

@@ -40,6 +40,15 @@ pub(crate) trait Resident: Debug + Send + Sync {
     /// Some strands, in ascending order, stopped at a frame.
     fn hold(&self, layers: &[FieldLayer], strands: &[usize], frame: usize) -> Result<Held, SimError>;
 
+    /// Held strands, stopped again at a later frame.
+    ///
+    /// # Panics
+    /// If they are those of other mechanics.
+    fn hold_on(&self, held: &Held, layers: &[FieldLayer], frame: usize) -> Result<Held, SimError>;
+
+    /// How many variants are stepped side by side.
+    fn n_at_once(&self) -> usize;
+
     /// Held strands from their frame to another one, both included.
     ///
     /// # Panics
@@ -247,6 +256,22 @@ impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
         Ok(Arc::new(Stopped { frame, batches }))
     }
 
+    fn hold_on(&self, held: &Held, layers: &[FieldLayer], frame: usize) -> Result<Held, SimError> {
+        if self.ready.setting.options.integrator().is_limited() {
+            return Ok(held.clone());
+        }
+        let stopped = Stopped::<M, L>::of(held);
+        let run = self.ready.under(layers, Runs::Again)?;
+        let mut batches = stopped.batches.clone();
+        run.advance(&mut batches, (stopped.frame, frame), &NoProgress, |_, _, _| ());
+        Ok(Arc::new(Stopped { frame, batches }))
+    }
+
+    fn n_at_once(&self) -> usize {
+        // An explicit integrator's steps are as long as each variant allows.
+        if self.ready.setting.options.integrator().is_limited() { 1 } else { L::N }
+    }
+
     fn go_on(
         &self,
         held: &Held,
@@ -272,10 +297,8 @@ impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
         frames: (usize, usize),
     ) -> Result<Vec<Vec<[f32; 3]>>, SimError> {
         let stopped = Stopped::<M, L>::of(held);
-        let Setting { groom, options, .. } = self.ready.setting;
-        let root = single(groom.strands[strand].rest_curve_m[0]);
-        // An explicit integrator's steps are as long as each variant allows.
-        let n_at_once = if options.integrator().is_limited() { 1 } else { L::N };
+        let root = single(self.ready.setting.groom.strands[strand].rest_curve_m[0]);
+        let n_at_once = self.n_at_once();
         let some: Vec<_> = variants
             .par_chunks(n_at_once)
             .map(|variants| {

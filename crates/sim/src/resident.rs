@@ -115,6 +115,20 @@ impl<'a> Simulator<'a> {
         Ok(Held { strands: strands.to_vec(), frame, state })
     }
 
+    /// Runs held strands on up to the last frame that is not after a time, and not before the one at which they were held.
+    /// The layers may differ from those before in what they do later.
+    ///
+    /// # Errors
+    /// As [`Simulator::simulate`].
+    ///
+    /// # Panics
+    /// If another simulator held the strands.
+    pub fn hold_on(&self, held: &Held, layers: &[FieldLayer], secs: f64) -> Result<Held, SimError> {
+        let frame = self.frame_at(secs).max(held.frame);
+        let state = self.ready.hold_on(&held.state, layers, frame)?;
+        Ok(Held { strands: held.strands.clone(), frame, state })
+    }
+
     /// Runs held strands on to the first frame that is not before a time: a motion of these alone, from the frame at
     /// which they were held. The layers may differ from those before in what they do later.
     ///
@@ -132,6 +146,11 @@ impl<'a> Simulator<'a> {
         let frames = (held.frame, self.frame_from(until_secs).max(held.frame));
         let positions_m = self.ready.go_on(&held.state, layers, &held.strands, frames)?;
         Ok(self.motion(&held.strands, frames, positions_m))
+    }
+
+    /// How many of [`Simulator::variants`] are stepped side by side: as many cost as much as one.
+    pub fn n_at_once(&self) -> usize {
+        self.ready.n_at_once()
     }
 
     /// [`Simulator::go_on`] of one strand for many variants at once: each sees its own layers beside the common ones.

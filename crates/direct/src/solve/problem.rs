@@ -212,13 +212,12 @@ impl<'a> Problem<'a> {
         for (s, motion) in run.motions.iter().enumerate() {
             let felt: Vec<usize> =
                 (0..all.len()).filter(|k| self.feels(motion, s, k / 3, &sets[*k])).collect();
-            let some: Vec<&[FieldLayer]> = felt.iter().map(|k| sets[*k].as_slice()).collect();
             let before = self.rows_of_strand(s, motion);
-            for (k, moved) in felt.iter().zip(self.move_strand(s, &some)?) {
+            for (k, moved) in self.move_nudged(s, motion, vectors, &felt, &sets)? {
                 for (row, ((_, after), (_, before))) in
                     self.rows_of_strand(s, &moved).iter().zip(&before).enumerate()
                 {
-                    jacobian[(first + row, *k)] = (after - before) / nudge;
+                    jacobian[(first + row, k)] = (after - before) / nudge;
                 }
             }
             first += before.len();
@@ -245,9 +244,50 @@ impl<'a> Problem<'a> {
     }
 
     fn move_strand(&self, strand: usize, sets: &[&[FieldLayer]]) -> Result<Vec<StrandMotion>, DirectError> {
-        let until = self.last_secs() + self.watched_secs;
         let held = &self.ground.strands[strand].held;
-        Ok(self.stage.simulator.variants(held, self.ground.layers(), sets, until)?)
+        Ok(self.stage.simulator.variants(held, self.ground.layers(), sets, self.until_secs())?)
+    }
+
+    /// What a strand does for some nudges of the vectors. Until the first layer that one of these nudges comes, it moves as
+    /// without: as many as are stepped side by side go on from there.
+    fn move_nudged(
+        &self,
+        strand: usize,
+        motion: &StrandMotion,
+        vectors: &[Vec3],
+        nudges: &[usize],
+        sets: &[Vec<FieldLayer>],
+    ) -> Result<Vec<(usize, StrandMotion)>, DirectError> {
+        let simulator = self.stage.simulator;
+        let layers = [self.ground.layers(), &self.layers(vectors)].concat();
+        let first_secs = |nudge: &usize| self.basis.first_secs(nudge / 3);
+        let mut nudges = nudges.to_vec();
+        nudges.sort_by(|a, b| first_secs(a).total_cmp(&first_secs(b)));
+        let mut held = self.ground.strands[strand].held.clone();
+        let first = held.frame();
+        let mut together = Vec::new();
+        for nudges in nudges.chunks(simulator.n_at_once()) {
+            held = simulator.hold_on(&held, &layers, first_secs(&nudges[0]))?;
+            together.push((held.clone(), nudges));
+        }
+        let until = self.until_secs();
+        let moved = together.into_par_iter().map(|(held, nudges)| {
+            let some: Vec<&[FieldLayer]> = nudges.iter().map(|k| sets[*k].as_slice()).collect();
+            let later = simulator.variants(&held, self.ground.layers(), &some, until)?;
+            let same = (held.frame() - first) * motion.n_points();
+            let whole = |later: StrandMotion| StrandMotion {
+                times_secs: motion.times_secs.clone(),
+                positions_m: [&motion.positions_m[..same], &later.positions_m].concat(),
+                counts: later.counts,
+            };
+            Ok(nudges.iter().copied().zip(later.into_iter().map(whole)).collect::<Vec<_>>())
+        });
+        Ok(moved.collect::<Result<Vec<_>, DirectError>>()?.concat())
+    }
+
+    /// Until when strands are watched, s.
+    fn until_secs(&self) -> f64 {
+        self.last_secs() + self.watched_secs
     }
 
     /// From an aim to where the point is, in tolerances.

@@ -60,17 +60,20 @@ impl<'a> Placed<'a> {
         // Wider than single precision takes away.
         let slack_m = Vec3::repeat(1e-4);
         let corners_m = [low - slack_m, high + slack_m].map(|corner| corner.map(|c| c as f32).into());
-        let of = |point: usize| turns[point % turns.len()];
-        let spot = |(h, handle): (usize, &Handle)| Spot {
-            center_m: handle.center_m.map(|c| c as f32).into(),
-            per_reach2: (1.0 / (handle.reach_m * handle.reach_m)) as f32,
-            extra: [0, 1, 2].map(|axis| {
-                core::array::from_fn(|k| of(k).map_or(0.0, |layer| layer.handles[h].extra[axis] as f32))
-            }),
+        let spot = |(h, handle): (usize, &Handle)| {
+            let mut extra = [[0.0; WIDTH]; 3];
+            for (turn, layer) in turns.iter().enumerate() {
+                let own = layer.map_or_else(Vec3::zeros, |layer| layer.handles[h].extra);
+                for (extra, own) in zip(&mut extra, own.iter()) {
+                    extra[turn..].iter_mut().step_by(turns.len()).for_each(|extra| *extra = *own as f32);
+                }
+            }
+            let per_reach2 = (1.0 / (handle.reach_m * handle.reach_m)) as f32;
+            Spot { center_m: handle.center_m.map(|c| c as f32).into(), per_reach2, extra }
         };
         Some(Self {
             layer,
-            acts: core::array::from_fn(|k| of(k).is_some()),
+            acts: core::array::from_fn(|k| turns[k % turns.len()].is_some()),
             corners_m,
             spots: layer.handles.iter().enumerate().map(spot).collect(),
         })
