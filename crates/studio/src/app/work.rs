@@ -86,12 +86,12 @@ impl Studio {
         self.shown.stack = stack;
         if let Some(label) = commit {
             self.work.pending = None;
+            self.document.commit(&label, self.shown.stack.clone());
             // What was said on the way there holds no longer.
             self.notice = None;
             if let Some(mm) = self.chosen_edit.as_deref().and_then(|id| self.residual_mm(id)) {
                 self.say(format!("{label}: {mm:.1} mm from its target"));
             }
-            self.document.commit(label, self.shown.stack.clone());
             self.changed();
         }
     }
