@@ -116,6 +116,7 @@ fn a_drag_makes_an_edit_that_is_undone_and_redone() {
     let unedited_mm = (pull.target_m - tousle_core::Vec3::from(at_key)).norm() * 1e3;
     let residual_mm = window.studio().residual_mm(&edit.id).unwrap();
     assert!(unedited_mm > 20.0 && residual_mm < 1.0, "{unedited_mm} mm before, {residual_mm} mm after");
+    assert!(window.has(&format!("Pull L03: {residual_mm:.1} mm from its target")));
 
     // Until the first key the motion is what it was, to the bit.
     let after = window.studio().motion().unwrap().clone();
