@@ -16,6 +16,7 @@ fn main() -> anyhow::Result<()> {
     let mut folders = std::env::args_os().skip(1).map(PathBuf::from);
     let [demo, pictures] = [folders.next(), folders.next()].map(|f| f.context("expected two folders"));
     let (demo, pictures) = (demo?, pictures?);
+    std::fs::create_dir_all(&pictures)?;
     let scratch = tempfile::tempdir()?;
     let field = scratch.path().join("gusts.eff.mcap");
     std::fs::copy(demo.join("gusts.eff.mcap"), &field)?;
