@@ -1,4 +1,5 @@
 use crate::{Pose, Vec3};
+use core::ops::Range;
 use nalgebra::{Matrix3, UnitQuaternion};
 
 /// The simulated motion of a groom, head space.
@@ -32,8 +33,17 @@ impl StrandMotion {
     /// # Panics
     /// If `frame` or `strand_idx` is past the end.
     pub fn strand(&self, frame: usize, strand_idx: usize) -> &[[f32; 3]] {
+        &self.frame(frame)[self.points_of(strand_idx)]
+    }
+
+    /// Where the control points of one strand are within a frame. It costs a look at all strands before, as a frame does one
+    /// at all: who goes through many asks once.
+    ///
+    /// # Panics
+    /// If `strand_idx` is past the end.
+    pub fn points_of(&self, strand_idx: usize) -> Range<usize> {
         let first: usize = self.counts[..strand_idx].iter().sum();
-        &self.frame(frame)[first..first + self.counts[strand_idx]]
+        first..first + self.counts[strand_idx]
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::EditError;
 use crate::path::{StrandPath, check_motion, single};
+use core::ops::Range;
 use serde::Serialize;
 use tousle_core::{Groom, StrandMotion, Vec3};
 use tousle_field::{FieldLayer, LayerKey};
@@ -112,16 +113,20 @@ pub fn measure(before: Under<'_>, after: Under<'_>, groom: &Groom) -> Result<Edi
         let (found, frames, expected) = (after.n_points(), after.times_secs.len(), groom.n_points());
         return Err(EditError::OtherGroom { found, frames, expected });
     }
-    let clearances: Vec<f64> = (0..groom.strands.len())
-        .map(|s| {
-            [(before, &gone), (before, &new), (after, &gone), (after, &new)]
-                .map(|(m, l)| clearance_m(m, s, l))
-        })
-        .map(|clearances| clearances.into_iter().fold(f64::INFINITY, f64::min))
-        .collect();
+    let layers = [&gone, &new].map(|layers| Present::of(layers, &before.times_secs));
+    let frames = [before, after]
+        .map(|motion| motion.positions_m.chunks_exact(motion.n_points().max(1)).collect::<Vec<Frame<'_>>>());
+    let owns: Vec<Range<usize>> = (0..groom.strands.len()).map(|strand| before.points_of(strand)).collect();
+    let clearance = |own: &Range<usize>| {
+        let each = frames.iter().flat_map(|frames| layers.iter().map(|some| clearance_m(frames, own, some)));
+        each.fold(f64::INFINITY, f64::min)
+    };
+    let clearances: Vec<f64> = owns.iter().map(clearance).collect();
     let most_moved = |clear_m: f64| {
-        let clear = (0..groom.strands.len()).filter(|s| clearances[*s] >= clear_m);
-        clear.map(|s| moved(before, after, groom, s)).max_by(|a, b| a.mm.total_cmp(&b.mm))
+        let clear = (0..owns.len()).filter(|strand| clearances[*strand] >= clear_m);
+        let moved = clear.map(|strand| (strand, moved(&frames[0], &frames[1], &owns[strand])));
+        let (strand, (mm, frame)) = moved.max_by(|a, b| a.1.0.total_cmp(&b.1.0))?;
+        Some(Moved { strand: groom.strands[strand].name.clone(), mm, secs: before.times_secs[frame] })
     };
     Ok(EditEffects {
         edits: by_edit(&new).into_iter().map(|layer| effect(before, after, groom, layer)).collect(),
@@ -251,17 +256,40 @@ fn first_change_secs(before: &StrandMotion, after: &StrandMotion) -> Option<f64>
     Some(before.times_secs[changed])
 }
 
+/// The control points of one frame.
+type Frame<'a> = &'a [[f32; 3]];
+
+/// A layer, and in which frames it is there.
+struct Present<'a> {
+    layer: &'a FieldLayer,
+    /// Opposite corners of a box that holds all it does, head space, m.
+    corners_m: (Vec3, Vec3),
+    frames: Vec<usize>,
+}
+
+impl<'a> Present<'a> {
+    /// Layers that are there in some of a motion's frames.
+    fn of(layers: &'a [FieldLayer], times_secs: &[f64]) -> Vec<Self> {
+        let present = |layer: &'a FieldLayer| {
+            let is_there = |frame: &usize| layer.presence(times_secs[*frame]) > 0.0;
+            let frames: Vec<usize> = (0..times_secs.len()).filter(is_there).collect();
+            let corners_m = layer.corners_m().filter(|_| !frames.is_empty())?;
+            Some(Self { layer, corners_m, frames })
+        };
+        layers.iter().filter_map(present).collect()
+    }
+}
+
 /// How far outside every handle's reach a strand stays while the layers are there, m; negative within one.
 /// Above [`FAR_M`] it is at least that.
-fn clearance_m(motion: &StrandMotion, strand: usize, layers: &[FieldLayer]) -> f64 {
+fn clearance_m(frames: &[Frame<'_>], own: &Range<usize>, layers: &[Present<'_>]) -> f64 {
     let mut least = f64::INFINITY;
-    for layer in layers {
-        let Some((low, high)) = layer.corners_m() else { continue };
-        for (k, _) in motion.times_secs.iter().enumerate().filter(|(_, t)| layer.presence(**t) > 0.0) {
-            for point in motion.strand(k, strand).iter().map(single) {
-                let outside_box = (point - point.sup(&low).inf(&high)).norm();
-                if outside_box > FAR_M {
-                    least = least.min(outside_box);
+    for Present { layer, corners_m: (low, high), frames: there } in layers {
+        for frame in there {
+            for point in frames[*frame][own.clone()].iter().map(single) {
+                let outside_box2 = (point - point.sup(low).inf(high)).norm_squared();
+                if outside_box2 > FAR_M * FAR_M {
+                    least = least.min(outside_box2.sqrt());
                     continue;
                 }
                 let gaps = layer.handles.iter().map(|h| (point - h.center_m).norm() - h.reach_m);
@@ -272,13 +300,14 @@ fn clearance_m(motion: &StrandMotion, strand: usize, layers: &[FieldLayer]) -> f
     least
 }
 
-fn moved(before: &StrandMotion, after: &StrandMotion, groom: &Groom, strand: usize) -> Moved {
-    let mut most = Moved { strand: groom.strands[strand].name.clone(), mm: 0.0, secs: before.times_secs[0] };
-    for (k, secs) in before.times_secs.iter().enumerate() {
-        for (a, b) in before.strand(k, strand).iter().zip(after.strand(k, strand)) {
+/// How far a point of a strand moved at the most, mm, and in which frame.
+fn moved(before: &[Frame<'_>], after: &[Frame<'_>], own: &Range<usize>) -> (f64, usize) {
+    let mut most = (0.0, 0);
+    for (k, (before, after)) in before.iter().zip(after).enumerate() {
+        for (a, b) in before[own.clone()].iter().zip(&after[own.clone()]) {
             let mm = (single(b) - single(a)).norm() * 1e3;
-            if mm > most.mm {
-                (most.mm, most.secs) = (mm, *secs);
+            if mm > most.0 {
+                most = (mm, k);
             }
         }
     }
