@@ -126,7 +126,8 @@ impl<'a> Sampler<'a> {
     }
 
     /// The same steps under other layers, for variants that are asked for in turn: of the points given to
-    /// [`Moment::sample_many`], every n-th belongs to the same of n variants and sees its layers beside the common ones.
+    /// [`Moment::sample_many`], every n-th belongs to the same of n variants and sees its layers beside the common ones; n
+    /// divides [`SAMPLED_AT_ONCE`].
     pub fn with_variants(&self, layers: &'a [FieldLayer], variants: &[&'a [FieldLayer]]) -> Self {
         let mut placed = Placed::common(layers);
         placed.extend(Placed::in_turn(variants));
