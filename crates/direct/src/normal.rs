@@ -20,13 +20,12 @@ pub(crate) struct Normal {
 impl Normal {
     /// Of rows that count by weights, and how they change.
     pub(crate) fn new(jacobian: &DMatrix<f64>, rows: &DVector<f64>, weights: &DVector<f64>) -> Self {
-        let mut largest = vec![0.0; jacobian.nrows()];
+        // Sums of absolute values hear of a number that is none, and are made side by side.
+        let mut changes = vec![0.0; jacobian.nrows()];
         for column in jacobian.column_iter() {
-            for (largest, change) in largest.iter_mut().zip(column.iter()) {
-                *largest = f64::max(*largest, change.abs());
-            }
+            changes.iter_mut().zip(column.iter()).for_each(|(sum, change)| *sum += change.abs());
         }
-        let felt: Vec<usize> = (0..jacobian.nrows()).filter(|row| largest[*row] > 0.0).collect();
+        let felt: Vec<usize> = (0..jacobian.nrows()).filter(|row| changes[*row] != 0.0).collect();
         let weights = weights.select_rows(&felt);
         // Column by column, as they lie in memory.
         let columns = jacobian.column_iter().flat_map(|column| {
@@ -108,6 +107,14 @@ mod tests {
         let second = DVector::from_element(1, 2.0 * step[0] * step[0]);
         let added = normal.curve(0.0, &step, &second);
         assert!((added[0] + 0.5 * second[0] / 2.0).abs() < 1e-9, "{added}");
+    }
+
+    /// A row that is nowhere is not left out as if nothing changed it: it leads to no step.
+    #[test]
+    fn what_is_no_number_leads_nowhere() {
+        let jacobian = DMatrix::from_row_slice(2, 1, &[1.0, f64::NAN]);
+        let normal = Normal::new(&jacobian, &DVector::from_element(2, 1.0), &DVector::repeat(2, 1.0));
+        assert_eq!(normal.step(1e-3), DVector::zeros(1));
     }
 
     #[test]
