@@ -121,12 +121,17 @@ pub fn measure(before: Under<'_>, after: Under<'_>, groom: &Groom) -> Result<Edi
         let each = frames.iter().flat_map(|frames| layers.iter().map(|some| clearance_m(frames, own, some)));
         each.fold(f64::INFINITY, f64::min)
     };
-    let clearances: Vec<f64> = owns.iter().map(clearance).collect();
-    let most_moved = |clear_m: f64| {
-        let clear = (0..owns.len()).filter(|strand| clearances[*strand] >= clear_m);
-        let moved = clear.map(|strand| (strand, moved(&frames[0], &frames[1], &owns[strand])));
-        let (strand, (mm, frame)) = moved.max_by(|a, b| a.1.0.total_cmp(&b.1.0))?;
-        Some(Moved { strand: groom.strands[strand].name.clone(), mm, secs: before.times_secs[frame] })
+    // Clearance, strand, how far it moved and in which frame, of those that stay outside.
+    let outside = owns.iter().enumerate().map(|(strand, own)| (clearance(own), strand));
+    let outside = outside.filter(|(clear_m, _)| *clear_m >= 0.0);
+    let outside: Vec<(f64, usize, (f64, usize))> = outside
+        .map(|(clear_m, strand)| (clear_m, strand, moved(&frames[0], &frames[1], &owns[strand])))
+        .collect();
+    let most_moved = |least_m: f64| {
+        let clear = outside.iter().filter(|(clear_m, ..)| *clear_m >= least_m);
+        let (_, strand, (mm, frame)) = clear.max_by(|a, b| a.2.0.total_cmp(&b.2.0))?;
+        let (strand, secs) = (groom.strands[*strand].name.clone(), before.times_secs[*frame]);
+        Some(Moved { strand, mm: *mm, secs })
     };
     Ok(EditEffects {
         edits: by_edit(&new).into_iter().map(|layer| effect(before, after, groom, layer)).collect(),
