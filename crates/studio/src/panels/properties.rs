@@ -10,7 +10,7 @@ use crate::theme;
 use crate::view::wind::unit;
 use eframe::egui::{DragValue, Response, RichText, TextEdit, Ui};
 use std::ops::RangeInclusive;
-use tousle_direct::Made;
+use tousle_direct::{DirectOptions, Made};
 
 pub fn show(ui: &mut Ui, studio: &mut Studio) {
     let Some(edit) = studio.shown_edit() else { return };
@@ -132,14 +132,12 @@ fn percent(value: &mut f64, most: f64) -> DragValue<'_> {
     DragValue::new(value).range(0.0..=most).speed(0.5).fixed_decimals(0).suffix(" %")
 }
 
-/// A target that the point comes so near to, mm, needs no look.
-const MET_MM: f64 = 1.0;
-
 fn outcome(ui: &mut Ui, studio: &Studio, id: &str) {
     ui.add_space(4.0);
     if let Some(mm) = studio.residual_mm(id) {
         let text = format!("{mm:.1} mm from the target at the second key");
-        let is_met = mm <= MET_MM;
+        let tolerance_m = DirectOptions::for_quantity(studio.document.field.quantity).tolerance_m;
+        let is_met = mm <= tolerance_m * 1e3;
         ui.label(RichText::new(text).color(if is_met { theme::ACCENT } else { theme::WARM }));
     }
     let Some(outcome) = studio.shown.outcomes.get(id) else { return };
