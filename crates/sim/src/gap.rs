@@ -71,8 +71,15 @@ impl<L: Lane> Seen<L> {
     /// Whether no strand's point can have come within a margin of anything, now that it is at a place.
     #[inline(always)]
     pub fn is_far(&self, place: Vector<L>, margin_m: L) -> bool {
+        !margin_m.same(1.0).any_above(self.far(place, margin_m))
+    }
+
+    /// 1 for a strand whose point cannot have come within a margin of anything, now that it is at a place; 0 for others.
+    #[inline(always)]
+    pub fn far(&self, place: Vector<L>, margin_m: L) -> L {
         let room_m = (self.room_m - margin_m).max(margin_m.same(0.0));
-        (room_m * room_m).all_above((place - self.place).norm_squared())
+        let went2 = (place - self.place).norm_squared();
+        (room_m * room_m).above(went2, margin_m.same(1.0), margin_m.same(0.0))
     }
 }
 

@@ -74,15 +74,18 @@ impl<L: Lane> Batch<L> {
     }
 
     /// Finds the points that are, or are expected to come, within `margin_m` of where something touches them; `again`: more
-    /// of them in the same step.
+    /// of them in the same step. A strand whose margin is minus infinity does not look: each does when it would alone.
     #[inline(always)]
     pub fn look(&mut self, work: &[Work<L>], now: &Now<'_>, margin_m: L, again: bool) {
         if !again {
             self.touchable.iter_mut().for_each(|touchable| touchable.near.clear());
         }
+        let (nothing, one) = (margin_m.same(0.0), margin_m.same(1.0));
         for (stick, (work, seen)) in work.iter().zip(&mut self.seen).enumerate() {
             // What keeps its place in the head's axes does not come nearer by itself.
-            let is_far = seen.is_far(work.place, margin_m);
+            let far = seen.far(work.place, margin_m);
+            let is_far = !one.any_above(far);
+            let margin_near_m = far.above(nothing, margin_m.same(f64::NEG_INFINITY), margin_m);
             let mut room_m = margin_m.same(f64::INFINITY);
             for touchable in &mut self.touchable {
                 let moving = &now.surfaces[touchable.collider];
@@ -90,13 +93,15 @@ impl<L: Lane> Batch<L> {
                     touchable.let_go(stick, again);
                     continue;
                 }
+                let margin_m = if moving.is_heads { margin_near_m } else { margin_m };
                 let room_here_m = touchable.look(&moving.surface, stick, work.place, margin_m, again);
                 if moving.is_heads {
                     room_m = room_m.min(room_here_m);
                 }
             }
             if !is_far {
-                *seen = Seen { place: work.place, room_m };
+                let place = Vector::where_above(far, nothing, seen.place, work.place);
+                *seen = Seen { place, room_m: far.above(nothing, seen.room_m, room_m) };
             }
         }
     }

@@ -91,7 +91,9 @@ pub(super) fn depth_of(give_m: f64) -> f64 {
 
 impl<L: Lane> Touchable<L> {
     /// Whether the end of a stick may touch in a step: whether, for any strand, it is or is expected to come within
-    /// `margin_m`; `again`: or comes to in the same step. Out: how far it may go before it can be nearer than it may come, m.
+    /// `margin_m` (minus infinity for a strand that does not look); `again`: or comes to in the same step. What bore it is
+    /// forgotten by a strand for which it is not, whatever the others do. Out: how far it may go before it can be nearer than
+    /// it may come, m.
     #[inline(always)]
     pub fn look(&mut self, surface: &Surface, stick: usize, place: Vector<L>, margin_m: L, again: bool) -> L {
         let (limit_m, nothing) = (self.limits_m[stick], margin_m.same(0.0));
@@ -101,6 +103,11 @@ impl<L: Lane> Touchable<L> {
         if beyond.all_above(nothing) {
             self.let_go(stick, again);
         } else {
+            if !again {
+                let slip = self.slips[stick];
+                self.pushes[stick] = beyond.above(nothing, nothing, self.pushes[stick]);
+                self.slips[stick] = Vector::where_above(beyond, nothing, Vector::none(nothing), slip);
+            }
             let limit_m = beyond.above(nothing, margin_m.same(f64::NEG_INFINITY), limit_m);
             match self.near.iter_mut().find(|near| again && near.stick == stick) {
                 Some(near) => near.limit_m = near.limit_m.max(limit_m),

@@ -151,7 +151,7 @@ impl<L: Lane> Batch<L> {
         let mut room_m = weights.h.same(-1.0);
         for updates in 0.. {
             if zero.any_above(room_m) {
-                room_m = self.look_for_contacts(work, now, updates > 0);
+                room_m = self.look_for_contacts(work, now, room_m, updates > 0);
             }
             let off2 = self.feel_contacts(work, model, now, weights);
             if updates > 1 {
@@ -272,19 +272,23 @@ impl<L: Lane> Batch<L> {
         }
     }
 
-    /// Finds the points that may touch in this step, or more of them. Out: within how much of the places, m.
+    /// Finds the points that may touch in this step, or more of them, of strands that have no room left. Out: within how
+    /// much of the places contacts have been looked for then, m.
     #[inline(always)]
-    fn look_for_contacts(&mut self, work: &[Work<L>], now: &Now<'_>, again: bool) -> L {
+    fn look_for_contacts(&mut self, work: &[Work<L>], now: &Now<'_>, room_m: L, again: bool) -> L {
         if self.touchable.is_empty() {
-            return self.contact_give.same(f64::INFINITY);
+            return room_m.same(f64::INFINITY);
         }
-        let mut way2 = self.contact_give.same(0.0);
-        for (state, work) in self.states.iter().zip(work) {
-            way2 = way2.max((work.place - state.place).norm_squared());
+        let nothing = room_m.same(0.0);
+        let mut way2 = nothing;
+        for ((state, work), link) in self.states.iter().zip(work).zip(&self.links) {
+            // Sticks that only fill up the batch have no mass and no say.
+            let own2 = link.mass.above(nothing, (work.place - state.place).norm_squared(), nothing);
+            way2 = way2.max(own2);
         }
-        let margin_m = way2.sqrt().mul_add(self.contact_give.same(0.25), self.contact_give.same(LOOK_M));
-        self.look(work, now, margin_m, again);
-        margin_m
+        let margin_m = way2.sqrt().mul_add(room_m.same(0.25), room_m.same(LOOK_M));
+        self.look(work, now, nothing.above(room_m, margin_m, room_m.same(f64::NEG_INFINITY)), again);
+        nothing.above(room_m, margin_m, room_m)
     }
 
     #[inline(always)]
