@@ -143,6 +143,12 @@ impl FieldLayer {
         self.muted || self.handles.is_empty() || (self.reshape.is_none() && !adds)
     }
 
+    /// Whether the two make the same of every vector, by what they are made of.
+    pub fn does_as(&self, other: &Self) -> bool {
+        let span = |layer: &Self| (layer.first_secs, layer.last_secs, layer.ease, layer.muted);
+        span(self) == span(other) && self.reshape == other.reshape && self.handles == other.handles
+    }
+
     /// How much of the layer is there at a time: 0 outside the span and at its ends, 1 in between.
     pub fn presence(&self, time_secs: f64) -> f64 {
         let span = self.last_secs - self.first_secs;

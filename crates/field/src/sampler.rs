@@ -134,6 +134,15 @@ impl<'a> Sampler<'a> {
         Self { layers: placed, ..self.clone() }
     }
 
+    /// Whether no wind blows anywhere at a time, s, layers left out.
+    ///
+    /// # Panics
+    /// If the sequence has no step.
+    pub fn is_still_at(&self, time_secs: f64) -> bool {
+        let (around, _) = self.sequence.at(time_secs).around();
+        around.iter().all(|step| self.is_still[*step])
+    }
+
     /// The field at a time, s; before the first step the first holds, after the last the last.
     ///
     /// # Panics

@@ -7,6 +7,7 @@
 mod assumptions;
 mod check;
 mod error;
+mod extent;
 mod frames;
 mod gap;
 mod integrator;
@@ -26,6 +27,7 @@ mod run;
 mod stability;
 mod timeline;
 mod touchable;
+mod trace;
 mod wind;
 
 pub use error::SimError;
@@ -35,6 +37,7 @@ pub use options::{Method, Precision, SimOptions, TimeMode, TorsoGrip};
 pub use parts::{Count, Keeper, Part};
 pub use report::{PlanEntry, SimReport, Simulation};
 pub use resident::{Held, Simulator};
+pub use trace::Traced;
 
 use timeline::{Runs, Timeline};
 use tousle_core::{Groom, Progress};

@@ -1,5 +1,6 @@
 //! What a method must say of itself so that it can be run.
 
+use crate::extent::Extent;
 use crate::lane::{Lane, Registers, Vector};
 use crate::parts::Count;
 use crate::prepared::Prepared;
@@ -82,6 +83,10 @@ pub(crate) trait Mechanics: Copy + Debug + Send + Sync + 'static {
 
     /// The far end of every stick, from the root, head space, m.
     fn ends_m<L: Lane>(batch: &Self::Batch<L>) -> impl Iterator<Item = Vector<L>>;
+
+    /// Where the strands have asked the field since this was set to a box around nothing; nothing is kept of it while it is
+    /// `None`, as at first.
+    fn asked<L: Lane>(batch: &mut Self::Batch<L>) -> &mut Option<Extent<L>>;
 
     /// What the steps of a batch took.
     fn count<L: Lane>(batch: &Self::Batch<L>) -> Count;

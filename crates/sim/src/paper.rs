@@ -17,6 +17,7 @@ mod mechanics;
 mod stability;
 
 use crate::Integrator;
+use crate::extent::Extent;
 use crate::joint::{JointEquation, JointStep};
 use crate::lane::{Lane, Symmetric, Vector, cos_and_sine_share};
 use crate::plan::Terms;
@@ -43,6 +44,8 @@ pub(crate) struct Batch<L> {
     sticks: Vec<Stick<L>>,
     motions: Vec<Motion<L>>,
     contacts: Contacts<L>,
+    /// Where the strands asked the field, if that is to be known.
+    asked: Option<Extent<L>>,
 }
 
 /// A stick, the joint at its near end and the point at its far end: what never changes.

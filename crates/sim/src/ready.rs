@@ -11,7 +11,8 @@ use crate::run::{Lanes, Run};
 use crate::stability;
 use crate::timeline::{Runs, Timeline};
 use crate::touchable::{n_reaching, within_reach};
-use crate::{Keeper, Precision, SimError, SimOptions, SimReport, Simulation};
+use crate::trace::Whereabouts;
+use crate::{Integrator, Keeper, Precision, SimError, SimOptions, SimReport, Simulation};
 use core::any::Any;
 use core::fmt::Debug;
 use core::marker::PhantomData;
@@ -36,6 +37,17 @@ pub(crate) trait Resident: Debug + Send + Sync {
 
     /// Some strands, in ascending order, from the first frame to the last.
     fn run_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<Vec<[f32; 3]>, SimError>;
+
+    /// [`Resident::run_some`], and where the strands asked the field.
+    fn trace(
+        &self,
+        layers: &[FieldLayer],
+        strands: &[usize],
+        progress: &dyn Progress,
+    ) -> Result<(Vec<[f32; 3]>, Whereabouts), SimError>;
+
+    /// Whether a layer changes only strands that come near it.
+    fn is_local(&self) -> bool;
 
     /// Some strands, in ascending order, stopped at a frame.
     fn hold(&self, layers: &[FieldLayer], strands: &[usize], frame: usize) -> Result<Held, SimError>;
@@ -201,14 +213,26 @@ impl<M: Mechanics, L: Lane> InLanes<'_, M, L> {
 
     /// Some strands from the first frame to the last.
     fn move_strands(&self, run: &Run<'_, M>, strands: &[usize], progress: &dyn Progress) -> Part {
+        let mut batches = self.at_rest(run, strands);
+        let positions_m = self.move_batches(run, strands, &mut batches, progress);
+        let count = batches.iter().fold(Count::default(), |sum, lanes| sum.and(M::count(&lanes.batch)));
+        Part { positions_m, count }
+    }
+
+    /// Batches of some strands from the first frame to the last.
+    fn move_batches(
+        &self,
+        run: &Run<'_, M>,
+        strands: &[usize],
+        batches: &mut [Lanes<M, L>],
+        progress: &dyn Progress,
+    ) -> Vec<[f32; 3]> {
         let last = run.timeline.n_frames - 1;
         let mut frames = Frames::new(self.ready.setting.groom, strands, last + 1);
-        let mut batches = self.at_rest(run, strands);
-        run.advance(&mut batches, (0, last), progress, |frame, strands, points| {
+        run.advance(batches, (0, last), progress, |frame, strands, points| {
             frames.put(frame, strands, points);
         });
-        let count = batches.iter().fold(Count::default(), |sum, lanes| sum.and(M::count(&lanes.batch)));
-        Part { positions_m: frames.positions_m, count }
+        frames.positions_m
     }
 }
 
@@ -245,6 +269,33 @@ impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
     fn run_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<Vec<[f32; 3]>, SimError> {
         let run = self.ready.under(layers, Runs::Again)?;
         Ok(self.move_strands(&run, strands, &NoProgress).positions_m)
+    }
+
+    fn trace(
+        &self,
+        layers: &[FieldLayer],
+        strands: &[usize],
+        progress: &dyn Progress,
+    ) -> Result<(Vec<[f32; 3]>, Whereabouts), SimError> {
+        let run = self.ready.under(layers, Runs::Again)?;
+        let mut batches = self.at_rest(&run, strands);
+        batches.iter_mut().for_each(Lanes::keep_asked);
+        let positions_m = self.move_batches(&run, strands, &mut batches, progress);
+        let mut asked: Vec<_> = batches.iter().flat_map(Lanes::asked).collect();
+        asked.sort_unstable_by_key(|(strand, _)| *strand);
+        let spans =
+            run.blocks((0, run.timeline.n_frames - 1)).map(|steps| run.timeline.wind_span_secs(&steps));
+        let regions = asked.into_iter().flat_map(|(_, regions)| regions);
+        Ok((positions_m, Whereabouts::new(spans.collect(), regions.collect())))
+    }
+
+    fn is_local(&self) -> bool {
+        let Ready { setting, timeline, sampler, .. } = &self.ready;
+        let integrator = setting.options.integrator();
+        // Hair that sleeps at first wakes as soon as wind blows anywhere, be it a layer's.
+        let sleeps = timeline.wind_secs(timeline.step_secs(1)).is_none_or(|secs| sampler.is_still_at(secs));
+        // An explicit integrator's steps are as long as all layers allow, and the adaptive one asks at times of its own.
+        !integrator.is_limited() && integrator != Integrator::Adaptive && !sleeps
     }
 
     fn hold(&self, layers: &[FieldLayer], strands: &[usize], frame: usize) -> Result<Held, SimError> {

@@ -5,7 +5,9 @@ use crate::paper::Paper;
 use crate::physical::Physical;
 use crate::ready::{self, Ready, Resident};
 use crate::timeline::Runs;
-use crate::{Keeper, Method, SimError, SimOptions, Simulation, check};
+use crate::{Keeper, Method, SimError, SimOptions, Simulation, Traced, check};
+use core::ops::Range;
+use std::sync::Arc;
 use tousle_core::{Groom, Progress, StrandMotion};
 use tousle_field::{FieldLayer, FieldSequence, Scene};
 
@@ -88,6 +90,48 @@ impl<'a> Simulator<'a> {
         runs: Runs,
     ) -> Result<Simulation, SimError> {
         self.ready.run(layers, keeper, progress, runs)
+    }
+
+    /// [`Simulator::simulate`] for an editor: a motion that remembers where each strand asked the field.
+    ///
+    /// # Errors
+    /// As [`Simulator::simulate`].
+    pub fn trace(&self, layers: &[FieldLayer], progress: &dyn Progress) -> Result<Traced, SimError> {
+        if !self.ready.is_local() {
+            let motion = Arc::new(self.simulate(layers, progress)?.motion);
+            return Ok(Traced { layers: layers.to_vec(), motion, whereabouts: None });
+        }
+        let all: Vec<usize> = (0..self.groom.strands.len()).collect();
+        let (positions_m, whereabouts) = self.ready.trace(layers, &all, progress)?;
+        let motion = Arc::new(self.motion(&all, (0, self.times_secs.len() - 1), positions_m));
+        Ok(Traced { layers: layers.to_vec(), motion, whereabouts: Some(whereabouts) })
+    }
+
+    /// [`Simulator::trace`] under other layers than an earlier one's: only strands that feel the difference are run
+    /// ([`Traced::felt_by`]), and the result is the same to the bit.
+    ///
+    /// # Errors
+    /// As [`Simulator::simulate`].
+    ///
+    /// # Panics
+    /// If another simulator traced the strands.
+    pub fn retrace(
+        &self,
+        last: &Traced,
+        layers: &[FieldLayer],
+        progress: &dyn Progress,
+    ) -> Result<Traced, SimError> {
+        let strands = last.felt_by(layers);
+        let (Some(before), true) = (&last.whereabouts, strands.len() < self.groom.strands.len()) else {
+            return self.trace(layers, progress);
+        };
+        let (mut motion, mut whereabouts) = (last.motion.clone(), before.clone());
+        if !strands.is_empty() {
+            let (positions_m, asked) = self.ready.trace(layers, &strands, progress)?;
+            put_strands(Arc::make_mut(&mut motion), &strands, &positions_m);
+            whereabouts.put(&strands, &asked);
+        }
+        Ok(Traced { layers: layers.to_vec(), motion, whereabouts: Some(whereabouts) })
     }
 
     /// Runs some strands, by their ascending indices: a motion of these alone.
@@ -190,6 +234,28 @@ impl<'a> Simulator<'a> {
             counts: strands.iter().map(|s| self.groom.strands[*s].rest_curve_m.len()).collect(),
             times_secs: self.times_secs[frames.0..=frames.1].to_vec(),
             positions_m,
+        }
+    }
+}
+
+/// Puts some strands, by their ascending indices, into a motion of all. `points`: theirs, frame after frame.
+fn put_strands(motion: &mut StrandMotion, strands: &[usize], mut points: &[[f32; 3]]) {
+    let n_points = motion.n_points();
+    let mut first = 0;
+    let all: Vec<Range<usize>> = motion
+        .counts
+        .iter()
+        .map(|n| {
+            first += n;
+            first - n..first
+        })
+        .collect();
+    let places: Vec<Range<usize>> = strands.iter().map(|strand| all[*strand].clone()).collect();
+    for frame in motion.positions_m.chunks_exact_mut(n_points) {
+        for place in &places {
+            let (own, others) = points.split_at(place.len());
+            frame[place.clone()].copy_from_slice(own);
+            points = others;
         }
     }
 }

@@ -1,11 +1,13 @@
 //! The loop over steps and batches.
 
+use crate::extent::{Extent, Region};
 use crate::frames::put_ends;
 use crate::lane::Lane;
 use crate::mechanics::Mechanics;
 use crate::prepared::Prepared;
 use crate::stability::Limit;
 use crate::timeline::Timeline;
+use core::ops::Range;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tousle_core::Progress;
@@ -28,6 +30,8 @@ pub(crate) struct Lanes<M: Mechanics, L: Lane> {
     strands: Vec<usize>,
     n_sticks: Vec<usize>,
     pub batch: M::Batch<L>,
+    /// Where the strands asked the field, block after block, and of each strand after strand; empty if nobody wants to know.
+    asked: Vec<Region>,
 }
 
 /// Steps that a batch runs before the next one's turn: enough to spread the cost of preparing what the world does. Few
@@ -46,14 +50,12 @@ impl<M: Mechanics> Run<'_, M> {
         mut put: impl FnMut(usize, &[usize], &[[f32; 3]]),
     ) {
         let per_frame = self.timeline.steps_per_frame;
-        let block = if self.reading == Reading::Together { BLOCK_OF_MANY } else { BLOCK_OF_FEW };
-        let (start, end) = (first * per_frame, last * per_frame);
         let n_strands: usize = batches.iter().map(|lanes| lanes.strands.len()).sum();
         // What each batch has moved through in a block. Kept from block to block: memory that is new each time costs more.
         let mut moved: Vec<Vec<[f32; 3]>> = vec![Vec::new(); batches.len()];
-        let (done, total) = (AtomicU64::new(0), (n_strands * (end - start)) as u64);
-        for begin in (start..end).step_by(block) {
-            let steps = begin..(begin + block).min(end);
+        let (done, total) = (AtomicU64::new(0), (n_strands * (last - first) * per_frame) as u64);
+        for steps in self.blocks((first, last)) {
+            let begin = steps.start;
             let world = |step| self.mechanics.world(&self.timeline, &self.sampler, self.reading, step);
             let worlds: Vec<M::World<'_>> = steps.clone().map(world).collect();
             batches.par_iter_mut().zip(&mut moved).for_each_init(Vec::new, |work, (lanes, points)| {
@@ -67,6 +69,14 @@ impl<M: Mechanics> Run<'_, M> {
                 }
             }
         }
+    }
+
+    /// The steps from a frame to another, block by block.
+    pub fn blocks(&self, (first, last): (usize, usize)) -> impl Iterator<Item = Range<usize>> {
+        let per_frame = self.timeline.steps_per_frame;
+        let block = if self.reading == Reading::Together { BLOCK_OF_MANY } else { BLOCK_OF_FEW };
+        let (start, end) = (first * per_frame, last * per_frame);
+        (start..end).step_by(block).map(move |begin| begin..(begin + block).min(end))
     }
 
     /// A batch through a block of steps. `points`: what becomes its points, roots left out, in every frame that these
@@ -87,6 +97,7 @@ impl<M: Mechanics> Run<'_, M> {
                 lanes.put_points(points);
             }
         }
+        lanes.note_asked();
     }
 }
 
@@ -95,13 +106,38 @@ impl<M: Mechanics, L: Lane> Lanes<M, L> {
     pub fn at_rest(mechanics: &M, prepared: &[Prepared<M::Shape>], strands: &[usize]) -> Self {
         let prepared: Vec<_> = strands.iter().map(|s| &prepared[*s]).collect();
         let n_sticks = prepared.iter().map(|p| p.lock.n_sticks()).collect();
-        Self { strands: strands.to_vec(), n_sticks, batch: mechanics.batch(&prepared) }
+        Self { strands: strands.to_vec(), n_sticks, batch: mechanics.batch(&prepared), asked: Vec::new() }
+    }
+
+    /// From now on where the strands ask the field is kept, block of steps by block of steps.
+    pub fn keep_asked(&mut self) {
+        *M::asked(&mut self.batch) = Some(Extent::nothing());
+    }
+
+    /// Ends a block.
+    fn note_asked(&mut self) {
+        if let Some(extent) = M::asked(&mut self.batch) {
+            self.asked.extend((0..self.strands.len()).map(|lane| extent.of(lane)));
+            *extent = Extent::nothing();
+        }
+    }
+
+    /// Where each strand asked the field, block after block.
+    pub fn asked(&self) -> impl Iterator<Item = (usize, impl Iterator<Item = Region>)> {
+        let n = self.strands.len();
+        let of_lane = move |lane: usize| self.asked.iter().skip(lane).step_by(n).copied();
+        self.strands.iter().enumerate().map(move |(lane, strand)| (*strand, of_lane(lane)))
     }
 
     /// The first strand, which is in all lanes, to be read so many times.
     pub fn variants(&self, n: usize) -> Self {
         let (strand, n_sticks) = (self.strands[0], self.n_sticks[0]);
-        Self { strands: vec![strand; n], n_sticks: vec![n_sticks; n], batch: self.batch.clone() }
+        Self {
+            strands: vec![strand; n],
+            n_sticks: vec![n_sticks; n],
+            batch: self.batch.clone(),
+            asked: Vec::new(),
+        }
     }
 
     /// Points, roots left out, strand after strand.

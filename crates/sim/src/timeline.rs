@@ -2,6 +2,7 @@ use crate::lane::{Lane, Matrix, Vector};
 use crate::options::n_frames;
 use crate::plan::Terms;
 use crate::{SimError, SimOptions, TimeMode, TorsoGrip};
+use core::ops::Range;
 use tousle_core::{Attachment, HeadMotion, Pose, PoseTrack, Vec3};
 use tousle_field::{FieldLayer, FieldSequence, Moment, Reading, Sampler, Scene};
 use tousle_rod::Surface;
@@ -284,6 +285,18 @@ impl<'a> Timeline<'a> {
         let blows = self.terms.wind && (self.time != TimeMode::Once || self.has_wind_at(secs));
         let secs = if self.time == TimeMode::Loop { self.wrapped(secs) } else { secs };
         blows.then_some(secs)
+    }
+
+    /// The times on the field's clock between which all wind of some steps blows; all times if the field begins anew in
+    /// between.
+    pub fn wind_span_secs(&self, steps: &Range<usize>) -> (f64, f64) {
+        let (begin, end) = (self.step_secs(steps.start), self.step_secs(steps.end));
+        if self.time != TimeMode::Loop {
+            return (begin, end);
+        }
+        let (from, to) = (self.wrapped(begin), self.wrapped(end));
+        let is_unbroken = to - from > 0.5 * (end - begin);
+        if is_unbroken { (from, to) } else { (f64::NEG_INFINITY, f64::INFINITY) }
     }
 
     fn has_wind_at(&self, secs: f64) -> bool {

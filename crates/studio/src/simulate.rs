@@ -8,7 +8,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use tousle_core::{Groom, Progress, StrandMotion};
 use tousle_field::{FieldLayer, FieldSequence, Scene};
-use tousle_sim::{Method, SimOptions};
+use tousle_sim::{Method, SimOptions, Traced};
 
 /// What should be simulated.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -155,7 +155,7 @@ struct Stage<'a> {
     /// The last answer to a wanted edit, from which the next begins.
     warm: Option<tousle_direct::Solved>,
     /// Motions of some stacks, the newest last.
-    kept: Vec<(Vec<FieldLayer>, Arc<StrandMotion>)>,
+    kept: Vec<Traced>,
     shared: &'a Shared,
 }
 
@@ -218,28 +218,22 @@ impl Stage<'_> {
         Ok(Simulated { stack, motion, without: Some(before), solved: Some(solved) })
     }
 
-    /// The groom's motion with these layers, run or kept.
+    /// The groom's motion with these layers: a kept one, of which those strands are run again that feel the difference.
     fn motion(&mut self, stack: &[FieldLayer]) -> Result<Arc<StrandMotion>, String> {
-        let heard = heard(stack);
-        if let Some(at) = self.kept.iter().position(|(layers, _)| *layers == heard) {
-            let found = self.kept.remove(at);
-            self.kept.push(found);
-        } else {
-            let ready = self.ready.as_ref().map_err(Clone::clone)?;
-            let run = ready.simulate(&heard, self.shared).map_err(in_words)?;
-            self.kept.push((heard, Arc::new(run.motion)));
-            if self.kept.len() > N_KEPT {
-                self.kept.remove(0);
-            }
+        let ready = self.ready.as_ref().map_err(Clone::clone)?;
+        let felt_by = self.kept.iter().map(|kept| kept.felt_by(stack).len());
+        let traced = match felt_by.enumerate().min_by_key(|(_, n_strands)| *n_strands) {
+            None => ready.trace(stack, self.shared).map_err(in_words)?,
+            Some((at, 0)) => self.kept.remove(at),
+            Some((at, _)) => ready.retrace(&self.kept[at], stack, self.shared).map_err(in_words)?,
+        };
+        let motion = traced.motion().clone();
+        self.kept.push(traced);
+        if self.kept.len() > N_KEPT {
+            self.kept.remove(0);
         }
-        Ok(self.kept[self.kept.len() - 1].1.clone())
+        Ok(motion)
     }
-}
-
-/// What of a stack changes a motion: names do not, nor do muted layers.
-fn heard(stack: &[FieldLayer]) -> Vec<FieldLayer> {
-    let heard = stack.iter().filter(|layer| !layer.muted).cloned();
-    heard.map(|layer| FieldLayer { name: String::new(), ..layer }).collect()
 }
 
 /// An error with all its causes, in one line.

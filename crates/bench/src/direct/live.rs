@@ -20,12 +20,18 @@ pub struct LiveRow {
     pub again: Cost,
     /// To run it again from the middle on, where the edit begins.
     pub later: Cost,
+    /// To run those strands again that feel the edit become stronger.
+    pub changed: Cost,
+    /// How many these are.
+    pub n_felt: usize,
 }
 
-/// Strands of the hairstyle by which the paper's method is timed.
+/// Strands of the hairstyle by which the paper's method is timed, and of a full one.
 const PAPER_STRANDS: usize = 120;
+const FULL_STRANDS: usize = 1_000;
 
-/// Times resident simulations of a wig with a layer near one of its locks: by `physical`, and by `paper` of 120 locks.
+/// Times resident simulations of a wig with a layer near one of its locks: by `physical`, by `paper` of 120 locks, and by
+/// `physical` of 1,000.
 ///
 /// # Errors
 /// [`SimError`] if the wig cannot be simulated.
@@ -35,9 +41,10 @@ pub fn live(
     scene: &Scene,
     wig: &Groom,
 ) -> Result<Vec<LiveRow>, SimError> {
-    let mut many = wig.clone();
-    many.strands = wig.strands.iter().cycle().take(PAPER_STRANDS).cloned().collect();
-    [(Method::Physical, wig), (Method::Paper, &many)]
+    let of =
+        |n: usize| Groom { strands: wig.strands.iter().cycle().take(n).cloned().collect(), ..wig.clone() };
+    let (many, full) = (of(PAPER_STRANDS), of(FULL_STRANDS));
+    [(Method::Physical, wig), (Method::Paper, &many), (Method::Physical, &full)]
         .into_iter()
         .map(|(method, groom)| {
             let options = SimOptions::of(method);
@@ -47,7 +54,7 @@ pub fn live(
             let times = simulator.times_secs();
             let (start, end) = (times[0], times[times.len() - 1]);
             let middle = 0.5 * (start + end);
-            let layers = [layer(groom, middle)];
+            let layers = [layer(groom, middle, 2.0)];
             simulator.simulate(&layers, &NoProgress)?;
             let watch = Stopwatch::start();
             simulator.simulate(&layers, &NoProgress)?;
@@ -57,6 +64,11 @@ pub fn live(
             let watch = Stopwatch::start();
             simulator.go_on(&held, &layers, end)?;
             let later = watch.stop();
+            let pulled = [layer(groom, middle, 2.5)];
+            let traced = simulator.trace(&layers, &NoProgress)?;
+            let watch = Stopwatch::start();
+            simulator.retrace(&traced, &pulled, &NoProgress)?;
+            let changed = watch.stop();
             Ok(LiveRow {
                 capture: capture.to_owned(),
                 method: method.name(),
@@ -65,15 +77,17 @@ pub fn live(
                 prepare,
                 again,
                 later,
+                changed,
+                n_felt: traced.felt_by(&pulled).len(),
             })
         })
         .collect()
 }
 
-/// A second of wind from the side along the first lock.
-fn layer(groom: &Groom, first_secs: f64) -> FieldLayer {
+/// A second of wind from the side along the first lock, m/s.
+fn layer(groom: &Groom, first_secs: f64, strength: f64) -> FieldLayer {
     let strand = &groom.strands[0];
-    let extra = tousle_core::Vec3::new(0.0, 2.0, 0.0);
+    let extra = tousle_core::Vec3::new(0.0, strength, 0.0);
     let handle = |center_m: &tousle_core::Vec3| Handle { center_m: *center_m, reach_m: 0.06, extra };
     FieldLayer {
         id: "live".into(),

@@ -169,6 +169,8 @@ impl DirectBenchReport {
             "again ms",
             "again CPU ms",
             "from the middle ms",
+            "edit changed ms",
+            "strands that feel it",
         ];
         let mut table = Table::new("A resident simulation", &columns);
         for row in &self.live {
@@ -182,6 +184,8 @@ impl DirectBenchReport {
                 Cell::number(row.again.wall_secs * 1e3, 1),
                 Cell::maybe(row.again.cpu_secs.map(|secs| secs * 1e3), 1),
                 Cell::number(row.later.wall_secs * 1e3, 1),
+                Cell::number(row.changed.wall_secs * 1e3, 1),
+                Cell::number(row.n_felt as f64, 0),
             ]);
         }
         table

@@ -34,19 +34,19 @@ pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let options = SimOptions::of(Method::for_quantity(field.quantity));
     let simulator = Simulator::new(field, scene, groom, &options)?;
     let stage = watch.stage("simulate");
-    let before = simulator.simulate(&field.layers, &*stage)?.motion;
+    let before = simulator.trace(&field.layers, &*stage)?;
     drop(stage);
     let stage = watch.stage("solve");
     let mut direct = DirectOptions::for_quantity(field.quantity);
     direct.method = args.method.unwrap_or(direct.method);
     direct.tolerance_m = args.tolerance_mm * 1e-3;
     let world = Stage { simulator: &simulator, field, scene, groom };
-    let directed = apply(&world, &field.layers, &before, &edits, &direct)
+    let directed = apply(&world, &field.layers, before.motion(), &edits, &direct)
         .with_context(|| format!("cannot apply the edits {}", args.edits.display()))?;
     drop(stage);
-    let after = simulator.simulate(&directed.stack, &tousle_core::NoProgress)?.motion;
-    let before = Under { motion: &before, layers: &field.layers };
-    let after = Under { motion: &after, layers: &directed.stack };
+    let after = simulator.retrace(&before, &directed.stack, &tousle_core::NoProgress)?;
+    let before = Under { motion: before.motion(), layers: &field.layers };
+    let after = Under { motion: after.motion(), layers: &directed.stack };
     let effects = tousle_edit::measure(before, after, groom)?;
     let stage = watch.stage("write");
     // The voxels are copied as they are packed: however often a field is edited, they stay what they were.

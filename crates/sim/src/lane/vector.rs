@@ -96,6 +96,18 @@ impl<L: Lane> Vector<L> {
         Self::new(self.x.mul_add(by, to.x), self.y.mul_add(by, to.y), self.z.mul_add(by, to.z))
     }
 
+    /// The smaller of each pair of components.
+    #[inline(always)]
+    pub fn min(self, o: Self) -> Self {
+        Self::new(self.x.min(o.x), self.y.min(o.y), self.z.min(o.z))
+    }
+
+    /// The larger of each pair of components.
+    #[inline(always)]
+    pub fn max(self, o: Self) -> Self {
+        Self::new(self.x.max(o.x), self.y.max(o.y), self.z.max(o.z))
+    }
+
     #[inline(always)]
     pub fn norm_squared(self) -> L {
         self.dot(self)

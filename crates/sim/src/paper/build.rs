@@ -51,6 +51,7 @@ impl<L: Lane> Batch<L> {
                 .map(|s| Motion { direction: s.rest_direction, rate: Vector::zero() })
                 .collect(),
             contacts: Contacts::new(strands, n),
+            asked: None,
             sticks,
         }
     }

@@ -38,7 +38,7 @@ impl<L: Lane> Batch<L> {
 
     /// Ω of E2, and what I2 stands for: the air's push on each stick, half of it at either end.
     #[inline(always)]
-    pub(super) fn blow(&self, work: &mut [Work<L>], model: &Paper, scene: &StepScene<'_>) {
+    pub(super) fn blow(&mut self, work: &mut [Work<L>], model: &Paper, scene: &StepScene<'_>) {
         self.feel_wind(work, scene.wind.as_ref());
         let half = self.damping_secs.same(0.5);
         let mut near_velocity = Vector::none(self.damping_secs);
@@ -76,8 +76,11 @@ impl<L: Lane> Batch<L> {
 
     /// Samples the field at the middle of every stick.
     #[inline(always)]
-    fn feel_wind(&self, work: &mut [Work<L>], wind: Option<&Moment<'_>>) {
+    fn feel_wind(&mut self, work: &mut [Work<L>], wind: Option<&Moment<'_>>) {
         let Some(wind) = wind else { return };
+        if let Some(asked) = &mut self.asked {
+            asked.take_in(self.root, work.iter().map(|work| work.end));
+        }
         let half = self.damping_secs.same(0.5);
         let mut before = self.root;
         let mut points = [[0.0; SAMPLED_AT_ONCE]; 3];

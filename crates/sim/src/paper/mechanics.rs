@@ -1,6 +1,7 @@
 //! The method `paper` as a run asks for it.
 
 use super::{Batch, Paper, Work, stability};
+use crate::extent::Extent;
 use crate::lane::{Lane, Vector};
 use crate::mechanics::{Mechanics, Setting};
 use crate::parts::Count;
@@ -69,6 +70,10 @@ impl Mechanics for Paper {
 
     fn ends_m<L: Lane>(batch: &Batch<L>) -> impl Iterator<Item = Vector<L>> {
         batch.ends_m()
+    }
+
+    fn asked<L: Lane>(batch: &mut Batch<L>) -> &mut Option<Extent<L>> {
+        &mut batch.asked
     }
 
     fn count<L: Lane>(_: &Batch<L>) -> Count {

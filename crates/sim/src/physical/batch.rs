@@ -1,6 +1,7 @@
 use super::contact::Touchable;
 use super::link::{Link, State, Work};
 use super::scene::Now;
+use crate::extent::Extent;
 use crate::gap::Seen;
 use crate::lane::{Lane, Turn, Vector};
 use crate::parts::Count;
@@ -64,6 +65,8 @@ pub(crate) struct Batch<L> {
     pub contraction2: L,
     /// Whether nothing has moved yet.
     pub at_rest: bool,
+    /// Where the strands asked the field, if that is to be known.
+    pub asked: Option<Extent<L>>,
     pub count: Count,
 }
 

@@ -235,7 +235,10 @@ impl<L: Lane> Batch<L> {
 
     /// Samples the field at the middle of every stick.
     #[inline(always)]
-    pub(super) fn feel_wind(&self, work: &mut [Work<L>], model: &Model, now: &Now<'_>) {
+    pub(super) fn feel_wind(&mut self, work: &mut [Work<L>], model: &Model, now: &Now<'_>) {
+        if let Some(asked) = &mut self.asked {
+            asked.take_in(self.root, work.iter().map(|work| work.place));
+        }
         let (true, Some(wind)) = (model.air || model.pushes, &now.wind) else {
             work.iter_mut().for_each(|work| work.wind = Vector::none(self.contact_give));
             return;

@@ -8,6 +8,7 @@ use super::implicit::Formula;
 use super::link::Work;
 use super::scene::{Carry, Now};
 use super::stability;
+use crate::extent::Extent;
 use crate::lane::{Lane, Registers, Vector};
 use crate::mechanics::{Mechanics, Setting};
 use crate::parts::Count;
@@ -196,6 +197,10 @@ impl Mechanics for Physical {
 
     fn ends_m<L: Lane>(moving: &Moving<L>) -> impl Iterator<Item = Vector<L>> {
         moving.strands.states.iter().map(|state| state.place)
+    }
+
+    fn asked<L: Lane>(moving: &mut Moving<L>) -> &mut Option<Extent<L>> {
+        &mut moving.strands.asked
     }
 
     fn count<L: Lane>(moving: &Moving<L>) -> Count {
