@@ -57,6 +57,8 @@ pub struct Picture {
 #[derive(Debug)]
 pub struct View {
     state: RenderStateHandle,
+    /// Whether the processor does a graphics card's work.
+    is_software: bool,
     target: Target,
     globals: wgpu::Buffer,
     backdrop: Batch,
@@ -80,8 +82,34 @@ impl std::fmt::Debug for RenderStateHandle {
 /// Four by four, twice, and six vectors.
 type Globals = [[f32; 4]; 14];
 
-/// Hairs of all locks together: what a processor without a graphics card draws in a few hundredths of a second.
-const MAX_HAIRS: usize = 4200;
+/// How well a picture is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quality {
+    /// As well as can be.
+    Full,
+    /// Of a third of the hairs and a quarter of the pixels where the processor has to do a graphics card's work: while
+    /// something moves, a picture in time is worth more than a fine one. Where there is a card, as well as can be.
+    Draft,
+}
+
+impl Quality {
+    /// Hairs of all locks together.
+    fn max_hairs(self) -> usize {
+        match self {
+            Self::Full => 4200,
+            Self::Draft => 1400,
+        }
+    }
+
+    /// Pixels of the window along the side of one that is drawn.
+    fn pixel(self) -> u32 {
+        match self {
+            Self::Full => 1,
+            Self::Draft => 2,
+        }
+    }
+}
+
 /// Hairs of one lock.
 const MAX_HAIRS_OF_A_LOCK: usize = 64;
 
@@ -113,20 +141,22 @@ impl View {
             slice: batch("slice", include_str!("view/shaders/slice.wgsl"), TriangleList, true),
             globals,
             drawn: None,
+            is_software: state.adapter.get_info().device_type == wgpu::DeviceType::Cpu,
             state: RenderStateHandle(state.clone()),
         }
     }
 
     /// Draws a picture of a size in pixels and gives the texture that shows it.
-    pub fn draw(&mut self, eye: &Eye, size: [u32; 2], picture: Picture) -> egui::TextureId {
-        let size = size.map(|n| n.max(1));
+    pub fn draw(&mut self, eye: &Eye, size: [u32; 2], picture: Picture, quality: Quality) -> egui::TextureId {
+        let quality = if self.is_software { quality } else { Quality::Full };
+        let size = size.map(|n| (n / quality.pixel()).max(1));
         if self.target.size != size {
             self.target = Target::new(&self.state.0, size, Some(self.target.id));
             self.drawn = None;
         }
         let n_strands = picture.hair.len() / (2 * N_SAMPLES);
         let n_hairs = match picture.hair_look {
-            HairLook::Lines => (MAX_HAIRS / n_strands.max(1)).clamp(1, MAX_HAIRS_OF_A_LOCK),
+            HairLook::Lines => (quality.max_hairs() / n_strands.max(1)).clamp(1, MAX_HAIRS_OF_A_LOCK),
             HairLook::Ribbons => 0,
         };
         let wanted = (globals(eye, size, &picture.head_from_torso, n_hairs), picture);

@@ -378,3 +378,19 @@ fn it_looks_as_it_did() {
     window.studio_mut().look.wind.slice_axis = 0;
     compare(&mut window, "wind");
 }
+
+/// While it plays, a processor without a graphics card draws a coarser picture; the fine one comes back.
+#[test]
+fn what_stands_still_is_drawn_as_well_as_can_be() {
+    let world = world();
+    let mut window = Window::open(&world.files, SIZE);
+    window.studio_mut().player.go(1.0);
+    window.settle();
+    let before = window.image();
+    window.press(Modifiers::NONE, Key::Space);
+    let moving = window.image();
+    window.press(Modifiers::NONE, Key::Space);
+    window.studio_mut().player.go(1.0);
+    window.settle();
+    assert!(moving != before && window.image() == before);
+}

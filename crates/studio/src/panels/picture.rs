@@ -8,9 +8,9 @@ use crate::edits::{Pull, StackedEdit};
 use crate::instant;
 use crate::pick;
 use crate::theme;
-use crate::view::Picture;
 use crate::view::hair::{self, Tint};
 use crate::view::wind::{Arrows, Wind};
+use crate::view::{Picture, Quality};
 use eframe::egui::{
     Color32, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
@@ -87,7 +87,11 @@ fn navigate(ui: &Ui, studio: &mut Studio, response: &Response, rect: Rect) {
 fn draw(ui: &Ui, studio: &mut Studio, place: &Place, points: Option<&[[f32; 3]]>) {
     let picture = picture(studio, points);
     let pixels = place.rect.size() * ui.ctx().pixels_per_point();
-    let texture = studio.view.draw(&place.eye, [pixels.x.round() as u32, pixels.y.round() as u32], picture);
+    let size = [pixels.x.round() as u32, pixels.y.round() as u32];
+    // What moves is drawn again in the next frame, and what stands still is not.
+    let moves = studio.player.playing || studio.is_busy() || ui.input(|input| input.pointer.any_down());
+    let quality = if moves { Quality::Draft } else { Quality::Full };
+    let texture = studio.view.draw(&place.eye, size, picture, quality);
     let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
     ui.painter().image(texture, place.rect, whole, Color32::WHITE);
 }

@@ -194,6 +194,23 @@ impl Window {
         self.settle();
     }
 
+    /// Puts the button down on a place, and leaves it there.
+    pub fn hold(&mut self, at: egui::Pos2) {
+        self.harness.hover_at(at);
+        self.harness.run_steps(1);
+        self.harness.drag_at(at);
+        self.harness.run_steps(1);
+    }
+
+    /// One frame, drawn, with the pointer at a place. Out: how long it took.
+    pub fn frame(&mut self, pointer: egui::Pos2) -> Duration {
+        let start = Instant::now();
+        self.harness.hover_at(pointer);
+        self.harness.run_steps(1);
+        self.harness.render().unwrap();
+        start.elapsed()
+    }
+
     /// Presses a key.
     pub fn press(&mut self, modifiers: egui::Modifiers, key: egui::Key) {
         self.harness.key_press_modifiers(modifiers, key);
