@@ -3,6 +3,7 @@
 
 mod draw;
 mod effect;
+mod hand;
 mod live;
 mod report;
 mod several;
@@ -10,6 +11,7 @@ mod wig;
 
 pub use draw::Several;
 pub use effect::DragEffect;
+pub use hand::HandRow;
 pub use live::{LiveRow, live};
 pub use report::{DirectBenchReport, DragRow, MethodRow};
 pub use several::{KeyRow, SeveralRow};
@@ -71,6 +73,7 @@ pub fn run(
         report.live.extend(live.map_err(|error| fail(error.into()))?);
         let watched = Watched::new(&world).map_err(&fail)?;
         let board = Board { scene: &world.scene, groom: &world.groom, motion: &watched.unedited };
+        report.hands.push(hand::follow(folder.name(), &watched, &board, options.seed).map_err(&fail)?);
         let mut dice = Dice::new(options.seed);
         for k in 0..options.n_drags {
             progress.at(report.n_drags(), total);

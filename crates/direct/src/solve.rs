@@ -77,6 +77,7 @@ pub fn solve(
     let secs: Vec<f64> = keys.iter().map(|key| key.secs).collect();
     let times = Times::new(drag.first_secs, &secs);
     let mut solver = Solver::new(stage, &ground, (drag, &keys), options, times);
+    solver.is_hurried = before.is_some();
     let best = solver.best(&aims, before.map(|before| &before.vectors[..]))?;
     let mut layers = best.problem.layers(&best.vectors);
     layers.iter_mut().for_each(|layer| layer.muted = drag.muted);
@@ -109,6 +110,8 @@ struct Solver<'a> {
     keys: &'a [LayerKey],
     options: &'a DirectOptions,
     times: Times,
+    /// Whether a hand moves: the next answer is worth more than a better one.
+    is_hurried: bool,
     /// For how long strands are watched after their layers have gone, s.
     watched_secs: f64,
     n_runs: usize,
@@ -141,7 +144,7 @@ enum Steps {
 /// What is tried after the first attempt, one after another.
 const ATTEMPTS: [Attempt; 3] = [Attempt::Known, Attempt::Known, Attempt::Finer];
 
-/// How many of these while a hand moves, where the next answer is worth more than a better one.
+/// How many of these while a hand moves, and only where keys are unmet.
 const ATTEMPTS_OF_A_HAND: usize = 1;
 
 impl<'a> Solver<'a> {
@@ -152,12 +155,13 @@ impl<'a> Solver<'a> {
         options: &'a DirectOptions,
         times: Times,
     ) -> Self {
-        Self { stage, ground, drag, keys, options, times, watched_secs: WATCHED_SECS, n_runs: 0 }
+        let (is_hurried, watched_secs) = (false, WATCHED_SECS);
+        Self { stage, ground, drag, keys, options, times, is_hurried, watched_secs, n_runs: 0 }
     }
 
     /// The best answer. `start`: where to begin, while a hand moves.
     fn best(&mut self, aims: &[Aim], start: Option<&[Vec3]>) -> Result<Answer<'a>, DirectError> {
-        if self.ground.strands.len() > 1 && start.is_none() {
+        if self.ground.strands.len() > 1 && !self.is_hurried {
             return self.best_of_several(aims);
         }
         self.best_at_once(aims, start)
@@ -170,7 +174,7 @@ impl<'a> Solver<'a> {
     fn best_at_once(&mut self, aims: &[Aim], start: Option<&[Vec3]>) -> Result<Answer<'a>, DirectError> {
         let steps = self.steps();
         let first = self.best_by(steps[0], aims, start)?;
-        if first.is_good(self.options) || start.is_some() {
+        if first.is_good(self.options) || self.is_hurried {
             return Ok(first);
         }
         let second = self.best_by(steps[1], aims, None)?;
@@ -195,10 +199,10 @@ impl<'a> Solver<'a> {
         start: Option<&[Vec3]>,
     ) -> Result<Answer<'a>, DirectError> {
         let mut best = self.attempt(aims, Attempt::Guessed, steps, None, start)?;
-        let n_attempts = if start.is_some() { ATTEMPTS_OF_A_HAND } else { ATTEMPTS.len() };
+        let n_attempts = if self.is_hurried { ATTEMPTS_OF_A_HAND } else { ATTEMPTS.len() };
         let mut was_in_vain = false;
         for kind in ATTEMPTS.into_iter().take(n_attempts) {
-            if best.is_good(self.options) {
+            if best.is_good(self.options) || (self.is_hurried && best.run.is_met()) {
                 break;
             }
             if was_in_vain && matches!(kind, Attempt::Known) {
@@ -248,7 +252,7 @@ impl<'a> Solver<'a> {
     ) -> Result<Answer<'a>, DirectError> {
         let problem = problem.watched_for(self.watched_secs);
         let found = self.descend(problem, starts, Weights { keys: 0.0, peaks: CALM }, steps)?;
-        if !found.run.is_met() || found.is_good(self.options) {
+        if !found.run.is_met() || found.is_good(self.options) || self.is_hurried {
             return Ok(found);
         }
         self.watched_secs = WATCHED_LONGER_SECS;

@@ -1,4 +1,4 @@
-use super::{DragEffect, LiveRow, SeveralRow};
+use super::{DragEffect, HandRow, LiveRow, SeveralRow};
 use crate::{Cell, Table};
 use tousle_edit::KeyEffect;
 
@@ -11,6 +11,8 @@ pub struct DirectBenchReport {
     pub several: Vec<SeveralRow>,
     /// What it costs to run a hairstyle again.
     pub live: Vec<LiveRow>,
+    /// How long the answers to a moving hand take.
+    pub hands: Vec<HandRow>,
 }
 
 /// One drag by both methods.
@@ -191,10 +193,46 @@ impl DirectBenchReport {
         table
     }
 
+    /// One row a capture: the answers to a moving hand, the median one and the slowest.
+    pub fn hand_table(&self) -> Table {
+        let columns = [
+            "capture",
+            "answers",
+            "solve ms, median",
+            "again ms, median",
+            "answer ms, median",
+            "answer ms, most",
+            "mm off, median",
+            "mm off, most",
+        ];
+        let mut table = Table::new("A hand that pulls", &columns);
+        for row in &self.hands {
+            let median = |numbers: &[f64], times: f64| {
+                Cell::maybe(numbers.get(numbers.len() / 2).map(|number| number * times), 1)
+            };
+            let most =
+                |numbers: &[f64], times: f64| Cell::maybe(numbers.last().map(|number| number * times), 1);
+            table.push(vec![
+                Cell::text(&row.capture),
+                Cell::number(row.answer_secs.len() as f64, 0),
+                median(&row.solve_secs, 1e3),
+                median(&row.again_secs, 1e3),
+                median(&row.answer_secs, 1e3),
+                most(&row.answer_secs, 1e3),
+                median(&row.off_mm, 1.0),
+                most(&row.off_mm, 1.0),
+            ]);
+        }
+        table
+    }
+
     /// All of it as text.
     pub fn to_text(&self) -> String {
         let several = [self.several_summary(), self.several_keys()];
-        let tables = [self.summary(), self.drags()].into_iter().chain(several).chain([self.live_table()]);
+        let tables = [self.summary(), self.drags()]
+            .into_iter()
+            .chain(several)
+            .chain([self.live_table(), self.hand_table()]);
         tables
             .filter(|table| !table.rows.is_empty())
             .map(|table| table.to_text())

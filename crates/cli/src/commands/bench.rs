@@ -87,6 +87,7 @@ fn direct(args: &BenchDirectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> 
         ("direct-several", report.several_summary()),
         ("direct-several-keys", report.several_keys()),
         ("direct-live", report.live_table()),
+        ("direct-hand", report.hand_table()),
     ] {
         write_text(folder, &format!("{name}.csv"), &table.to_csv())?;
         println!("wrote {}", folder.join(format!("{name}.csv")).display());

@@ -86,6 +86,9 @@ impl<'a> Solver<'a> {
             let (is_better, is_last) = (left < 1.0, descent.weights.keys >= keys_last);
             let too_little = if descent.run.miss <= WELL_MET { TOO_LITTLE.0 } else { TOO_LITTLE.1 };
             let is_settled = is_better && is_last && left > 1.0 - too_little;
+            if self.is_hurried && is_last && descent.run.miss <= WELL_MET {
+                break;
+            }
             if was_fresh && (is_settled || descent.damping > DAMPING.1) {
                 if descent.run.is_met() || keys_last == KEYS_MOST {
                     break;
