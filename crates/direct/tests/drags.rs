@@ -3,8 +3,10 @@
 
 use tousle_bench::worlds::{groom, mannequin, straight, uniform};
 use tousle_core::{Groom, NoProgress, Quantity, StrandMotion, Vec3};
-use tousle_direct::{DirectOptions, Directed, EditMethod, Made, SolvedOutcome, Stage, apply};
-use tousle_edit::{EditEffects, Under, Unreachable, measure, read_edits};
+use tousle_direct::{DirectOptions, Directed, Drag, EditMethod, Made, SolvedOutcome, Stage, apply, solve};
+use tousle_edit::{
+    DEFAULT_REACH_M, EditEffects, FoundKey, Under, Unreachable, find_keys, measure, read_edits,
+};
 use tousle_field::{FieldSequence, Scene};
 use tousle_sim::{Method, SimOptions, Simulator};
 
@@ -114,6 +116,45 @@ fn a_key_in_wind_is_met() {
 #[test]
 fn a_key_in_the_papers_forces_is_met() {
     key_is_met(Quantity::ForcePerMass);
+}
+
+/// A target that is moved on in ten moves: each answer begins from the last, meets it, and takes far fewer runs than the
+/// first, from nothing. When the hand lets go nothing is left of where it was.
+#[test]
+fn a_hand_that_moves_is_followed() {
+    let world = World::new(Quantity::AirVelocity);
+    let World { field, scene, groom, options } = &world;
+    let simulator = Simulator::new(field, scene, groom, options).unwrap();
+    let stage = Stage { simulator: &simulator, field, scene, groom };
+    let before = simulator.simulate(&[], &NoProgress).unwrap().motion;
+    let edits = read_edits(PULL.as_bytes()).unwrap();
+    let options = DirectOptions::for_quantity(field.quantity);
+    let keys = find_keys(&edits, 1, groom, &before).unwrap();
+    let way = keys[0].target_m - keys[0].unedited_m;
+    let at = |share: f64| {
+        let target_m = keys[0].unedited_m + way * share;
+        Drag {
+            name: "pull".into(),
+            edit_id: "pull".into(),
+            muted: false,
+            first_secs: 1.0,
+            keys: vec![FoundKey { target_m, ..keys[0].clone() }],
+            reach_m: DEFAULT_REACH_M,
+        }
+    };
+    let mut last = solve(&stage, &[], &at(0.1), None, &options).unwrap();
+    let n_first = last.outcome.n_runs;
+    for k in 2..=10 {
+        last = solve(&stage, &[], &at(0.1 * f64::from(k)), Some(&last), &options).unwrap();
+        let outcome = &last.outcome;
+        assert!(
+            outcome.keys[0].residual_mm.after <= 1.0 && outcome.n_runs < n_first,
+            "{n_first} {outcome:#?}"
+        );
+    }
+    let let_go = solve(&stage, &[], &at(1.0), None, &options).unwrap();
+    let (directed, ..) = world.directed(PULL, EditMethod::Physical);
+    assert_eq!(solved(&directed).keys[0].residual_mm, let_go.outcome.keys[0].residual_mm);
 }
 
 /// Two points of one strand at one time, nearer to each other than they would be and to the root, and another strand later.
