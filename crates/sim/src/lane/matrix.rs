@@ -22,6 +22,21 @@ pub(crate) struct Matrix<L> {
     pub z: Vector<L>,
 }
 
+/// What the inverse of a symmetric matrix Q plus s times the identity is made of, by Cayley and Hamilton:
+/// (Q + s)⁻¹ = (part + inner) / det and (Q + s)⁻¹ Q = (outer − s part) / det. The latter is as exact for an s far above Q,
+/// where 1 − s (Q + s)⁻¹ would take like from like.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shifted<L> {
+    /// adj Q − s Q.
+    pub part: Symmetric<L>,
+    /// s (tr Q + s).
+    pub inner: L,
+    /// det Q + s tr adj Q.
+    pub outer: L,
+    /// det (Q + s).
+    pub det: L,
+}
+
 impl<L: Lane> Symmetric<L> {
     pub fn zero() -> Self {
         Self::none(L::zero())
@@ -89,20 +104,77 @@ impl<L: Lane> Symmetric<L> {
         )
     }
 
-    /// The inverse of a positive definite matrix, by cofactors.
+    /// This times a vector plus another.
     #[inline(always)]
-    pub fn inverse(&self) -> Self {
-        let cxx = minor(self.yy, self.zz, self.yz, self.yz);
-        let cxy = minor(self.xz, self.yz, self.xy, self.zz);
-        let cxz = minor(self.xy, self.yz, self.xz, self.yy);
-        let one_over = cxx.same(1.0) / self.xx.mul_add(cxx, self.xy.mul_add(cxy, self.xz * cxz));
+    pub fn mul_vector_add(&self, v: Vector<L>, to: Vector<L>) -> Vector<L> {
+        Vector::new(
+            self.xx.mul_add(v.x, self.xy.mul_add(v.y, self.xz.mul_add(v.z, to.x))),
+            self.xy.mul_add(v.x, self.yy.mul_add(v.y, self.yz.mul_add(v.z, to.y))),
+            self.xz.mul_add(v.x, self.yz.mul_add(v.y, self.zz.mul_add(v.z, to.z))),
+        )
+    }
+
+    #[inline(always)]
+    pub fn scale(&self, s: L) -> Self {
         Self {
-            xx: cxx * one_over,
-            xy: cxy * one_over,
-            xz: cxz * one_over,
-            yy: minor(self.xx, self.zz, self.xz, self.xz) * one_over,
-            yz: minor(self.xy, self.xz, self.xx, self.yz) * one_over,
-            zz: minor(self.xx, self.yy, self.xy, self.xy) * one_over,
+            xx: self.xx * s,
+            xy: self.xy * s,
+            xz: self.xz * s,
+            yy: self.yy * s,
+            yz: self.yz * s,
+            zz: self.zz * s,
+        }
+    }
+
+    /// This plus s times the identity.
+    #[inline(always)]
+    pub fn plus_identity(&self, s: L) -> Self {
+        Self { xx: self.xx + s, yy: self.yy + s, zz: self.zz + s, ..*self }
+    }
+
+    /// This times the matrix of b ↦ b × d: each row r becomes d × r.
+    #[inline(always)]
+    pub fn mul_lever(&self, d: Vector<L>) -> Matrix<L> {
+        let Matrix { x, y, z } = self.to_matrix();
+        Matrix { x: d.cross(x), y: d.cross(y), z: d.cross(z) }
+    }
+
+    /// Adds half of Sᵀ m + mᵀ S, S the matrix of b ↦ b × d.
+    #[inline(always)]
+    pub fn add_lever_product(&mut self, d: Vector<L>, m: &Matrix<L>) {
+        let half = d * d.x.same(0.5);
+        self.xx = plus_minor(self.xx, (m.z.x, d.y), (m.y.x, d.z));
+        self.yy = plus_minor(self.yy, (m.x.y, d.z), (m.z.y, d.x));
+        self.zz = plus_minor(self.zz, (m.y.z, d.x), (m.x.z, d.y));
+        let xy = plus_minor(self.xy, (m.z.y, half.y), (m.y.y, half.z));
+        self.xy = plus_minor(xy, (m.x.x, half.z), (m.z.x, half.x));
+        let xz = plus_minor(self.xz, (m.z.z, half.y), (m.y.z, half.z));
+        self.xz = plus_minor(xz, (m.y.x, half.x), (m.x.x, half.y));
+        let yz = plus_minor(self.yz, (m.x.z, half.z), (m.z.z, half.x));
+        self.yz = plus_minor(yz, (m.y.y, half.x), (m.x.y, half.y));
+    }
+
+    /// [`Shifted`] by s.
+    #[inline(always)]
+    pub fn shifted(&self, s: L) -> Shifted<L> {
+        let (xx, yy, zz) = (
+            minor(self.yy, self.zz, self.yz, self.yz),
+            minor(self.xx, self.zz, self.xz, self.xz),
+            minor(self.xx, self.yy, self.xy, self.xy),
+        );
+        let xy = minor(self.xz, self.yz, self.xy, self.zz);
+        let xz = minor(self.xy, self.yz, self.xz, self.yy);
+        let yz = minor(self.xy, self.xz, self.xx, self.yz);
+        let own_det = self.xx.mul_add(xx, self.xy.mul_add(xy, self.xz * xz));
+        let cofactors = xx + yy + zz;
+        let inner = s * (self.xx + self.yy + self.zz + s);
+        let mut part = Self { xx, xy, xz, yy, yz, zz };
+        part.add_scaled(self, -s);
+        Shifted {
+            part,
+            inner,
+            outer: s.mul_add(cofactors, own_det),
+            det: s.mul_add(inner + cofactors, own_det),
         }
     }
 
@@ -150,22 +222,22 @@ impl<L: Lane> Matrix<L> {
         self.x.mul_add(v.x, self.y.mul_add(v.y, self.z * v.z))
     }
 
+    /// The transpose times a vector plus another.
+    #[inline(always)]
+    pub fn transpose_mul_add(&self, v: Vector<L>, to: Vector<L>) -> Vector<L> {
+        self.x.mul_add(v.x, self.y.mul_add(v.y, self.z.mul_add(v.z, to)))
+    }
+
+    /// A vector less this times another.
+    #[inline(always)]
+    pub fn subtract_from(&self, from: Vector<L>, v: Vector<L>) -> Vector<L> {
+        Vector::new(less(from.x, self.x, v), less(from.y, self.y, v), less(from.z, self.z, v))
+    }
+
     /// This times a symmetric matrix.
     #[inline(always)]
     pub fn mul_symmetric(&self, s: &Symmetric<L>) -> Self {
         Self { x: s.mul_vector(self.x), y: s.mul_vector(self.y), z: s.mul_vector(self.z) }
-    }
-
-    /// This times the matrix of b ↦ b × d: each row r becomes d × r.
-    #[inline(always)]
-    pub fn mul_lever(&self, d: Vector<L>) -> Self {
-        Self { x: d.cross(self.x), y: d.cross(self.y), z: d.cross(self.z) }
-    }
-
-    /// The sum of two.
-    #[inline(always)]
-    pub fn add(&self, o: &Self) -> Self {
-        Self { x: self.x + o.x, y: self.y + o.y, z: self.z + o.z }
     }
 
     /// This times a number plus another.
@@ -173,40 +245,9 @@ impl<L: Lane> Matrix<L> {
     pub fn mul_add(&self, s: L, o: &Self) -> Self {
         Self { x: self.x.mul_add(s, o.x), y: self.y.mul_add(s, o.y), z: self.z.mul_add(s, o.z) }
     }
-
-    #[inline(always)]
-    pub fn scale(&self, s: L) -> Self {
-        Self { x: self.x * s, y: self.y * s, z: self.z * s }
-    }
 }
 
 impl<L: Lane> Symmetric<L> {
-    /// s times this times another, for two that commute: symmetric itself.
-    #[inline(always)]
-    pub fn times_commuting(&self, o: &Self, s: L) -> Self {
-        let x = o.mul_vector(Vector::new(self.xx, self.xy, self.xz)) * s;
-        let y = o.mul_vector(Vector::new(self.xy, self.yy, self.yz)) * s;
-        Self {
-            xx: x.x,
-            xy: x.y,
-            xz: x.z,
-            yy: y.y,
-            yz: y.z,
-            zz: s * self.xz.mul_add(o.xz, self.yz.mul_add(o.yz, self.zz * o.zz)),
-        }
-    }
-
-    /// Adds a matrix and its transpose.
-    #[inline(always)]
-    pub fn add_with_transpose(&mut self, m: &Matrix<L>) {
-        self.xx += m.x.x + m.x.x;
-        self.xy += m.x.y + m.y.x;
-        self.xz += m.x.z + m.z.x;
-        self.yy += m.y.y + m.y.y;
-        self.yz += m.y.z + m.z.y;
-        self.zz += m.z.z + m.z.z;
-    }
-
     /// Takes off a bᵀ, for two whose product is symmetric.
     #[inline(always)]
     pub fn subtract_product(&mut self, a: &Matrix<L>, b: &Matrix<L>) {
@@ -219,22 +260,16 @@ impl<L: Lane> Symmetric<L> {
     }
 }
 
+/// A number plus a b − c d.
+#[inline(always)]
+fn plus_minor<L: Lane>(to: L, (a, b): (L, L), (c, d): (L, L)) -> L {
+    a.mul_add(b, (-c).mul_add(d, to))
+}
+
 /// A number less a·b.
 #[inline(always)]
 fn less<L: Lane>(from: L, a: Vector<L>, b: Vector<L>) -> L {
     (-a.x).mul_add(b.x, (-a.y).mul_add(b.y, (-a.z).mul_add(b.z, from)))
-}
-
-impl<L: Lane> Matrix<L> {
-    /// The transposed matrix of b ↦ b × d times this: each column c becomes d × c.
-    #[inline(always)]
-    pub fn lever_mul(&self, d: Vector<L>) -> Self {
-        Self {
-            x: self.z.mul_add(d.y, -(self.y * d.z)),
-            y: self.x.mul_add(d.z, -(self.z * d.x)),
-            z: self.y.mul_add(d.x, -(self.x * d.y)),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -263,19 +298,29 @@ mod tests {
         // b × d = −[d]× b.
         let lever = -d.cross_matrix();
         let close = |a: Matrix3<f64>, b: Matrix3<f64>| assert!((a - b).norm() < 1e-12, "{a} {b}");
-        close(single(&lanes(&m).mul_lever(Vector::splat(d))), m * lever);
-        close(single(&lanes(&m).lever_mul(Vector::splat(d))), lever.transpose() * m);
         let s = m * m.transpose() + Matrix3::identity();
-        close(single(&symmetric(&s).inverse().to_matrix()), s.try_inverse().unwrap());
+        close(single(&symmetric(&s).mul_lever(Vector::splat(d))), s * lever);
         close(single(&lanes(&m).mul_symmetric(&symmetric(&s))), m * s);
-        let inverse = s.try_inverse().unwrap();
-        let commuting = symmetric(&inverse).times_commuting(&symmetric(&s), F64x1::splat(2.0));
-        close(single(&commuting.to_matrix()), Matrix3::identity() * 2.0);
         let mut sum = symmetric(&s);
-        sum.add_with_transpose(&lanes(&m));
-        close(single(&sum.to_matrix()), s + m + m.transpose());
+        sum.add_lever_product(Vector::splat(d), &lanes(&m));
+        close(single(&sum.to_matrix()), s + (lever.transpose() * m + m.transpose() * lever) * 0.5);
         let mut less = symmetric(&s);
         less.subtract_product(&lanes(&m), &lanes(&m));
         close(single(&less.to_matrix()), s - m * m.transpose());
+    }
+    #[test]
+    fn a_sum_with_the_identity_is_inverted() {
+        let m = Matrix3::new(1.0, 2.0, -1.0, 0.5, 3.0, 2.0, -2.0, 0.25, 1.5);
+        let q = m * m.transpose();
+        for s in [0.0, 1e-3, 1.0, 1e6] {
+            let inverse = (q + Matrix3::identity() * s).try_inverse().unwrap();
+            let Shifted { part, inner, outer, det } = symmetric(&q).shifted(F64x1::splat(s));
+            let part = single(&part.to_matrix());
+            let found = (part + Matrix3::identity() * inner.get(0)) / det.get(0);
+            assert!((found - inverse).norm() < 1e-12 * inverse.norm(), "{s}: {found} {inverse}");
+            let (found, product) =
+                ((Matrix3::identity() * outer.get(0) - part * s) / det.get(0), inverse * q);
+            assert!((found - product).norm() < 1e-12 * product.norm(), "{s}: {found} {product}");
+        }
     }
 }

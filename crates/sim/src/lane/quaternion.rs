@@ -67,7 +67,15 @@ impl<L: Lane> Turn<L> {
     /// vector, without a trigonometric function, and smooth up to a whole turn. The shorter of the two ways is taken.
     #[inline(always)]
     pub fn bend(self) -> Vector<L> {
-        let sign = self.w.above(self.w.same(0.0), self.w.same(1.0), -self.w.same(1.0));
-        self.v * (sign * self.w.same(4.0) / (self.w.same(1.0) + self.w * sign))
+        let (sign, one_more) = self.shorter();
+        self.v * (sign * self.w.same(4.0) / one_more)
+    }
+
+    /// The sign, 1 or −1, by which this turns the shorter way, and one more than the w that it has then.
+    #[inline(always)]
+    pub fn shorter(self) -> (L, L) {
+        let one = self.w.same(1.0);
+        let sign = self.w.above(self.w.same(0.0), one, -one);
+        (sign, self.w.mul_add(sign, one))
     }
 }

@@ -90,6 +90,16 @@ impl<L: Lane> Vector<L> {
         )
     }
 
+    /// This × o plus another.
+    #[inline(always)]
+    pub fn cross_add(self, o: Self, to: Self) -> Self {
+        Self::new(
+            self.y.mul_add(o.z, (-self.z).mul_add(o.y, to.x)),
+            self.z.mul_add(o.x, (-self.x).mul_add(o.z, to.y)),
+            self.x.mul_add(o.y, (-self.y).mul_add(o.x, to.z)),
+        )
+    }
+
     /// This times a number plus another.
     #[inline(always)]
     pub fn mul_add(self, by: L, to: Self) -> Self {

@@ -6,8 +6,8 @@
 use super::batch::{Batch, Model};
 use super::contact::Firmness;
 use super::drag::push;
-use super::link::Work;
-use super::newton::{Bending, FurtherOut, Outwards, bend_joint, place_sticks};
+use super::link::{Bending, Work};
+use super::newton::{FurtherOut, Outwards, bend_joint, place_sticks};
 use super::scene::Now;
 use crate::lane::{Lane, Symmetric, Turn, Vector};
 use tousle_core::Vec3;

@@ -123,7 +123,8 @@ impl<L: Lane> Batch<L> {
             self.carry_slips(moved, now);
         }
         let weights = Weights::new(formula.dt_secs, formula.h_secs);
-        self.prepare(work, moved.as_ref(), &weights, formula);
+        let falls = Vector::same(weights.h, now.gravity * (formula.h_secs * formula.h_secs));
+        self.prepare(work, moved.as_ref(), &weights, (formula, falls));
         self.feel_wind(work, model, now);
         self.settle(work, model, now, &weights);
         self.finish(work, &weights);
@@ -176,7 +177,8 @@ impl<L: Lane> Batch<L> {
                 return;
             }
             self.count.iterations += self.n_above_zero(active);
-            self.sweep_inwards(work, model, now, weights);
+            self.load_sticks(work, model, now, weights);
+            self.sweep_inwards(work, weights);
             let way = active * weights.h.same(share_of_way(updates));
             moved2_before = moved2;
             moved2 = sweep_outwards(self.root, &self.links, work, way);
@@ -203,14 +205,14 @@ impl<L: Lane> Batch<L> {
     }
 
     /// What a step begins with: the history in the head's axes at the step's end, its weighted sums, and a first guess of
-    /// turns and places.
+    /// turns and places. `falls`: how far gravity takes a point, m.
     #[inline(always)]
     fn prepare(
         &mut self,
         work: &mut [Work<L>],
         moved: Option<&Moved<L>>,
         weights: &Weights<L>,
-        formula: Formula,
+        (formula, falls): (Formula, Vector<L>),
     ) {
         let (now, before) = (weights.h.same(formula.now), weights.h.same(formula.before));
         let mut end = self.root;
@@ -220,7 +222,7 @@ impl<L: Lane> Batch<L> {
             }
             work.from = state.place * now + state.place_before * before;
             let velocity = state.velocity * now + state.velocity_before * before;
-            work.drifting = work.from + velocity * weights.h;
+            work.drifting = velocity.mul_add(weights.h, work.from + falls);
             // A joint gives way slowly: k (c − c0) + k τ ċ, ċ = (c − from) / h.
             let damping = link.stiffness * link.damping_secs * weights.per_h;
             work.stiffness = link.stiffness + damping;
@@ -229,7 +231,6 @@ impl<L: Lane> Batch<L> {
             work.direction = work.turn.x_axis();
             end = work.direction.mul_add(link.length, end);
             work.place = end;
-            work.touches = false;
         }
     }
 

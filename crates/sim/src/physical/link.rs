@@ -41,10 +41,19 @@ pub(crate) struct State<L> {
     pub bend_before: Vector<L>,
 }
 
+/// What bends and twists a joint: gradient and (Gauss-Newton) second derivative of its potential.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bending<L> {
+    /// By a turn of the stick, head axes, N·m.
+    pub torque: Vector<L>,
+    /// N·m, the same in all directions.
+    pub curvature: L,
+}
+
 /// What a step prepares and its iterations read and write.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Work<L> {
-    /// Where the point would be at the step's end if nothing pushed it, m.
+    /// Where the point would be at the step's end if nothing but gravity pulled at it, m.
     pub drifting: Vector<L>,
     /// What its velocity is counted from: velocity = (place − from) / h.
     pub from: Vector<L>,
@@ -57,14 +66,13 @@ pub(crate) struct Work<L> {
     pub turn: Turn<L>,
     pub direction: Vector<L>,
     pub place: Vector<L>,
-    /// Whether a surface may touch the far point, and then gradient and second derivative of its potential by the place.
-    pub touches: bool,
+    /// Gradient and second derivative, by the far point's place, of the potential of all that acts on it.
     pub slope: Vector<L>,
     pub hessian: Symmetric<L>,
-    /// The second derivative of the joint's potential by its turn.
-    pub curvature: L,
+    /// What bends the joint at the near end.
+    pub joint: Bending<L>,
     /// What the sweep inwards leaves for the sweep outwards:
-    /// turn = gain · curvature · turn before − leverᵀ · displacement before − offset.
+    /// turn = gain · joint's curvature · turn before − leverᵀ · displacement before − offset.
     pub gain: Symmetric<L>,
     pub lever: Matrix<L>,
     pub offset: Vector<L>,
@@ -82,34 +90,30 @@ impl<L: Lane> Work<L> {
             turn: Turn::identity(L::one()),
             direction: o,
             place: o,
-            touches: false,
             slope: o,
             hessian: Symmetric::zero(),
-            curvature: L::zero(),
+            joint: Bending { torque: o, curvature: L::zero() },
             gain: Symmetric::zero(),
             lever: Matrix::zero(),
             offset: o,
         }
     }
 
+    /// How far the far point is from where its velocity is counted from, m.
+    #[inline(always)]
+    pub fn way(&self) -> Vector<L> {
+        self.place - self.from
+    }
+
     /// The far point's velocity. `per_h`: its change for a change of place, 1/s.
     #[inline(always)]
     pub fn velocity(&self, per_h: L) -> Vector<L> {
-        (self.place - self.from) * per_h
-    }
-
-    /// Nothing touches the far point.
-    #[inline(always)]
-    pub fn forget_touch(&mut self) {
-        self.touches = false;
-        self.slope = Vector::none(self.stiffness);
-        self.hessian = Symmetric::none(self.stiffness);
+        self.way() * per_h
     }
 
     /// A surface touches the far point.
     #[inline(always)]
     pub fn touch(&mut self, bearing: &Bearing<L>) {
-        self.touches = true;
         self.slope += bearing.slope;
         self.hessian.add(&bearing.hessian);
     }

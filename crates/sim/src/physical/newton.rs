@@ -9,9 +9,9 @@
 use super::batch::{Batch, Model};
 use super::contact::Firmness;
 use super::drag::{Push, push};
-use super::link::{Link, Work};
+use super::link::{Bending, Link, Work};
 use super::scene::Now;
-use crate::lane::{Lane, Matrix, Symmetric, Turn, Vector};
+use crate::lane::{Lane, Matrix, Shifted, Symmetric, Turn, Vector};
 
 /// How velocity hangs on place at a step's end: velocity = (place − from) / h.
 #[derive(Clone, Copy, Debug)]
@@ -45,83 +45,76 @@ pub(super) fn place_sticks<L: Lane>(root: Vector<L>, links: &[Link<L>], work: &m
     }
 }
 
-/// What bends and twists a joint: gradient and (Gauss-Newton) second derivative of its potential.
-pub(super) struct Bending<L> {
-    /// By a turn of the stick, head axes, N·m.
-    pub torque: Vector<L>,
-    /// N·m, the same in all directions.
-    pub curvature: L,
-}
-
 /// The joint between a stick that is turned like `before` and one of some work.
 #[inline(always)]
 pub(super) fn bend_joint<L: Lane>(before: Turn<L>, work: &Work<L>) -> Bending<L> {
-    let two = work.stiffness.same(2.0);
-    let bend = before.inverse().after(work.turn).bend();
-    let sigma = bend * work.stiffness.same(0.25);
-    let sigma2 = sigma.norm_squared();
-    let load = bend.mul_add(work.stiffness, -work.natural);
-    // For a turn ε of the stick, in the axes of the stick before, d bend = (1 − σ²) ε − 2 σ × ε + 2 σ (σ·ε): a
-    // rotation times 1 + σ², so that the second derivative is the same in all directions.
-    let torque = load.mul_add(
-        work.stiffness.same(1.0) - sigma2,
-        sigma.cross(load).mul_add(two, sigma * (sigma.dot(load) * two)),
-    );
-    let scale = work.stiffness.same(1.0) + sigma2;
-    Bending { torque: before.rotate(torque), curvature: work.stiffness * scale * scale }
+    let relative = before.inverse().after(work.turn);
+    let (sign, one_more) = relative.shorter();
+    let per = work.stiffness.same(1.0) / one_more;
+    let per2 = (per + per) * per;
+    // The bend is 4 v / (1 + w).
+    let bend_per_v = sign * (per + per) * work.stiffness.same(2.0);
+    let load = relative.v.mul_add(bend_per_v * work.stiffness, -work.natural);
+    // For a turn ε of the stick, in the axes of the stick before, d bend = (1 − σ²) ε − 2 σ × ε + 2 σ (σ·ε), σ = bend / 4:
+    // a rotation by half the joint's turn times 1 + σ² = 2 / (1 + w), so that the second derivative is the same in all
+    // directions. Together with the turn of the stick before, that rotation is along the sum of both sticks' turns,
+    // whose square is 2 (1 + w).
+    let (w, v) = (before.w.mul_add(sign, work.turn.w), before.v.mul_add(sign, work.turn.v));
+    let turned = v.cross(load.mul_add(w, v.cross(load)));
+    Bending { torque: turned.mul_add(per2, load * (per + per)), curvature: work.stiffness * (per2 + per2) }
 }
 
 impl<L: Lane> Batch<L> {
-    /// From the tip: forces on every point and joint and their derivatives, and every stick's turn eliminated. What it
-    /// works out is used at once, while it is near.
+    /// Forces on every point and joint, and their derivatives. Here no stick waits for another: a processor works on some
+    /// at a time, which it could not while a sweep goes from one to the next.
     #[inline(always)]
-    pub(super) fn sweep_inwards(
+    pub(super) fn load_sticks(
         &self,
         work: &mut [Work<L>],
         model: &Model,
         now: &Now<'_>,
         weights: &Weights<L>,
     ) {
-        let gravity = Vector::same(weights.h, now.gravity);
         let (along, half) = (weights.h.same(model.along), weights.h.same(0.5));
         let half_per_h = half * weights.per_h;
-        let root_velocity = self.root_velocity(now);
-        let mut further_out = FurtherOut::nothing(weights.h);
+        let root_way = self.root_velocity(now) * weights.h;
         // The air on the stick further out, of which a half acts here.
         let mut air = Push::none(weights.h);
         for j in (0..work.len()).rev() {
             let (inner, outer) = work.split_at_mut(j);
             let (link, here) = (&self.links[j], &mut outer[0]);
-            let (turn_before, velocity_before) = match inner.last() {
-                Some(before) => (before.turn, before.velocity(weights.per_h)),
-                None => (self.root_turn, root_velocity),
+            let (turn_before, way_before) = match inner.last() {
+                Some(before) => (before.turn, before.way()),
+                None => (self.root_turn, root_way),
             };
             let inertia = link.mass * weights.per_h2;
-            let mut slope = (here.place - here.drifting).mul_add(inertia, -(gravity * link.mass));
-            let mut hessian = Symmetric::scaled_identity(inertia);
+            here.slope = (here.place - here.drifting) * inertia;
+            here.hessian = Symmetric::scaled_identity(inertia);
             if model.air {
-                let middle = (velocity_before + here.velocity(weights.per_h)) * half;
-                let push = push(link, along, here.direction, here.wind - middle);
-                slope -= (push.force + air.force) * half;
-                hessian.add_scaled(&push.slope, half_per_h);
-                hessian.add_scaled(&air.slope, half_per_h);
+                let wind = (way_before + here.way()).mul_add(-half_per_h, here.wind);
+                let push = push(link, along, here.direction, wind);
+                here.slope = (push.force + air.force).mul_add(-half, here.slope);
+                here.hessian.add_scaled(&push.slope, half_per_h);
+                here.hessian.add_scaled(&air.slope, half_per_h);
                 air = push;
             } else if model.pushes {
-                slope -= here.wind * link.mass;
+                here.slope -= here.wind * link.mass;
             }
-            if here.touches {
-                slope += here.slope;
-                hessian.add(&here.hessian);
-            }
-            further_out.add_point(slope, &hessian);
-            let joint = bend_joint(turn_before, here);
-            further_out.eliminate(
-                here,
-                link.length,
-                joint,
-                link.rotary * weights.per_h2,
-                weights.h.same(1.0),
-            );
+            here.joint = bend_joint(turn_before, here);
+        }
+        for near in self.touchable.iter().flat_map(|touchable| &touchable.near) {
+            work[near.stick].touch(&near.bearing);
+        }
+    }
+
+    /// From the tip: every stick's turn eliminated.
+    #[inline(always)]
+    pub(super) fn sweep_inwards(&self, work: &mut [Work<L>], weights: &Weights<L>) {
+        let mut further_out = FurtherOut::nothing(weights.h);
+        for (link, here) in self.links.iter().zip(work).rev() {
+            further_out.add_point(here.slope, &here.hessian);
+            let rotary = link.rotary * weights.per_h2;
+            further_out.eliminate(here, link.length, here.joint, rotary, weights.h.same(1.0));
         }
     }
 
@@ -129,23 +122,17 @@ impl<L: Lane> Batch<L> {
     #[inline(always)]
     pub(super) fn feel_contacts(
         &mut self,
-        work: &mut [Work<L>],
+        work: &[Work<L>],
         model: &Model,
         now: &Now<'_>,
         weights: &Weights<L>,
     ) -> L {
         let firmness = self.firmness(weights);
         let mut off2 = weights.h.same(0.0);
-        for near in self.touchable.iter().flat_map(|touchable| &touchable.near) {
-            work[near.stick].forget_touch();
-        }
         for touchable in &mut self.touchable {
             let surface = &now.surfaces[touchable.collider];
             let at = |stick: usize| (work[stick].place, work[stick].velocity(weights.per_h));
             off2 = off2.max(touchable.feel(model, surface, at, firmness));
-            for near in &touchable.near {
-                work[near.stick].touch(&near.bearing);
-            }
         }
         off2
     }
@@ -173,7 +160,9 @@ impl<L: Lane> Batch<L> {
 /// Everything from a joint outwards: a quadratic form of its near end's displacement and of the turn of the stick before.
 pub(super) struct FurtherOut<L> {
     places: Symmetric<L>,
+    /// What mixes the two, over the second derivative of the joint's potential; and that derivative.
     mixed: Matrix<L>,
+    curvature: L,
     turns: Symmetric<L>,
     place_slope: Vector<L>,
     turn_slope: Vector<L>,
@@ -189,6 +178,7 @@ impl<L: Lane> FurtherOut<L> {
         Self {
             places: Symmetric::none(like),
             mixed: Matrix::none(like),
+            curvature: like.same(0.0),
             turns: Symmetric::none(like),
             place_slope: o,
             turn_slope: o,
@@ -217,33 +207,36 @@ impl<L: Lane> FurtherOut<L> {
     ) {
         // The point's displacement is that of the stick's near end plus turn × lever.
         let lever = work.direction * length;
-        let a = self.places.to_matrix().mul_lever(lever);
-        let z = a.mul_add(length.same(0.5), &self.mixed);
-        let y = z.lever_mul(lever);
+        let m = self.mixed.mul_add(self.curvature, &self.places.mul_lever(lever));
+        let twice = self.mixed.mul_add(self.curvature, &m);
         let mut q = self.turns;
-        q.add_with_transpose(&y);
-        let m = a.add(&self.mixed);
-        let slope = self.turn_slope + lever.cross(self.place_slope);
+        q.add_lever_product(lever, &twice);
+        let slope = lever.cross_add(self.place_slope, self.turn_slope);
         // A pull rights the stick, as weight does a pendulum. What would push it over is left to the gradient.
         let pull = (-self.outer_slope.dot(lever)).max(length.same(0.0)) * righting;
         q.add_identity(pull + rotary);
         q.add_outer(work.direction, -pull);
-        let mut sum = q;
-        sum.add_identity(curvature);
-        let gain = sum.inverse();
-        let m_gain = m.mul_symmetric(&gain);
+        let Shifted { part, inner, outer, det } = q.shifted(curvature);
+        let per_det = length.same(1.0) / det;
         let load = slope + torque;
-        work.curvature = curvature;
+        let turned = part.mul_vector(load);
+        let offset = load.mul_add(inner, turned) * per_det;
+        let gain = part.plus_identity(inner).scale(per_det);
+        let m_gain = m.mul_symmetric(&gain);
+        work.joint.curvature = curvature;
         work.gain = gain;
         work.lever = m_gain;
-        work.offset = gain.mul_vector(load);
+        work.offset = offset;
         // What is left for the stick before.
         self.places.subtract_product(&m_gain, &m);
-        self.place_slope -= m_gain.mul_vector(load);
-        self.mixed = m_gain.scale(curvature);
-        // k − k gain k = k gain q, without taking like from like.
-        self.turns = gain.times_commuting(&q, curvature);
-        self.turn_slope = gain.mul_vector(slope * curvature) - gain.mul_vector(q.mul_vector(torque));
+        self.place_slope = m.subtract_from(self.place_slope, offset);
+        self.mixed = m_gain;
+        self.curvature = curvature;
+        // k − k gain k = k gain q, and k gain slope − gain q torque likewise.
+        let scale = curvature * per_det;
+        let whole = outer * per_det;
+        self.turns = part.scale(-(curvature * scale)).plus_identity(curvature * whole);
+        self.turn_slope = slope.mul_add(inner, turned) * scale - torque * whole;
     }
 }
 
@@ -265,10 +258,9 @@ impl<L: Lane> Outwards<L> {
     /// The turn of the next stick.
     #[inline(always)]
     pub fn next(&mut self, link: &Link<L>, work: &Work<L>) -> Vector<L> {
-        self.turn = work.gain.mul_vector(self.turn * work.curvature)
-            - work.lever.transpose_mul(self.displacement)
-            - work.offset;
-        self.displacement += self.turn.cross(work.direction * link.length);
+        let from_before = work.gain.mul_vector_add(self.turn * work.joint.curvature, -work.offset);
+        self.turn = work.lever.transpose_mul_add(-self.displacement, from_before);
+        self.displacement = self.turn.cross_add(work.direction * link.length, self.displacement);
         // Sticks that only fill up the batch have no mass and no say.
         let went2 =
             link.mass.above(link.mass.same(0.0), self.displacement.norm_squared(), link.mass.same(0.0));
