@@ -2,7 +2,6 @@ use super::contact::Touchable;
 use super::link::{Link, State, Work};
 use super::scene::Now;
 use crate::extent::Extent;
-use crate::gap::Seen;
 use crate::lane::{Lane, Turn, Vector};
 use crate::parts::Count;
 use tousle_rod::DragLaw;
@@ -55,8 +54,6 @@ pub(crate) struct Batch<L> {
     pub links: Vec<Link<L>>,
     pub states: Vec<State<L>>,
     pub touchable: Vec<Touchable<L>>,
-    /// What is known of each point's distance from all of these that keep their place in the head's axes.
-    pub seen: Vec<Seen<L>>,
     /// Spring of a contact, N/m, and one over it.
     pub contact_stiffness: L,
     pub contact_give: L,
@@ -76,36 +73,12 @@ impl<L: Lane> Batch<L> {
         work.resize(self.links.len(), Work::new());
     }
 
-    /// Finds the points that are, or are expected to come, within `margin_m` of where something touches them; `again`: more
-    /// of them in the same step. A strand whose margin is minus infinity does not look: each does when it would alone.
+    /// [`Touchable::look`] for all. A strand whose margin is minus infinity does not look: each does when it would alone.
     #[inline(always)]
     pub fn look(&mut self, work: &[Work<L>], now: &Now<'_>, margin_m: L, again: bool) {
-        if !again {
-            self.touchable.iter_mut().for_each(|touchable| touchable.near.clear());
-        }
-        let (nothing, one) = (margin_m.same(0.0), margin_m.same(1.0));
-        for (stick, (work, seen)) in work.iter().zip(&mut self.seen).enumerate() {
-            // What keeps its place in the head's axes does not come nearer by itself.
-            let far = seen.far(work.place, margin_m);
-            let is_far = !one.any_above(far);
-            let margin_near_m = far.above(nothing, margin_m.same(f64::NEG_INFINITY), margin_m);
-            let mut room_m = margin_m.same(f64::INFINITY);
-            for touchable in &mut self.touchable {
-                let moving = &now.surfaces[touchable.collider];
-                if is_far && moving.is_heads {
-                    touchable.let_go(stick, again);
-                    continue;
-                }
-                let margin_m = if moving.is_heads { margin_near_m } else { margin_m };
-                let room_here_m = touchable.look(&moving.surface, stick, work.place, margin_m, again);
-                if moving.is_heads {
-                    room_m = room_m.min(room_here_m);
-                }
-            }
-            if !is_far {
-                let place = Vector::where_above(far, nothing, seen.place, work.place);
-                *seen = Seen { place, room_m: far.above(nothing, seen.room_m, room_m) };
-            }
+        for touchable in &mut self.touchable {
+            let places = work.iter().map(|work| work.place);
+            touchable.look(&now.surfaces[touchable.collider], places, margin_m, again);
         }
     }
 }

@@ -109,7 +109,6 @@ pub(super) fn build<L: Lane>(strands: &[&Prepared], law: &DragLaw) -> Batch<L> {
         densities: (0..n).map(|k| per_stick(k, &|p| p.lock.linear_densities_kg_per_m[k], 0.0)).collect(),
         links,
         states,
-        seen: vec![Seen::not_yet(); if touchable.is_empty() { 0 } else { n }],
         touchable,
         contact_stiffness: L::from_fn(|lane| contact_stiffness(&of(lane).lock)),
         contact_give: L::from_fn(|lane| 1.0 / contact_stiffness(&of(lane).lock)),
@@ -190,6 +189,7 @@ fn touchable<'a, L: Lane>(collider: usize, n: usize, of: &impl Fn(usize) -> &'a 
         pushes: each(&bearing_n),
         slips: (0..n).map(|stick| Vector::from_fn(|lane| slip(of(lane), stick))).collect(),
         is_borne: vec![true; n],
+        seen: vec![Seen::not_yet(); n],
         near: Vec::with_capacity(n),
     }
 }

@@ -1,7 +1,7 @@
 //! What a body does to a strand's points: a spring that is soft as a lock is, without a rebound, and friction.
 
 use super::batch::Model;
-use crate::gap::{TINY2, gaps, room};
+use crate::gap::{Seen, TINY2, gaps, room};
 use crate::lane::{Lane, Symmetric, Vector};
 use tousle_core::Vec3;
 use tousle_rod::Surface;
@@ -21,6 +21,8 @@ pub(crate) struct Touchable<L> {
     pub slips: Vec<Vector<L>>,
     /// Of which points the last two may say something.
     pub is_borne: Vec<bool>,
+    /// What is known of each point's distance, if the surface keeps its place in the head's axes.
+    pub seen: Vec<Seen<L>>,
     /// The ends of sticks that may touch in this step.
     pub near: Vec<Near<L>>,
 }
@@ -90,12 +92,46 @@ pub(super) fn depth_of(give_m: f64) -> f64 {
 }
 
 impl<L: Lane> Touchable<L> {
+    /// Finds the points that are, or are expected to come, within `margin_m` of where something touches them; `again`: more
+    /// of them in the same step.
+    #[inline(always)]
+    pub fn look(
+        &mut self,
+        moving: &MovingSurface,
+        places: impl Iterator<Item = Vector<L>>,
+        margin_m: L,
+        again: bool,
+    ) {
+        if !again {
+            self.near.clear();
+        }
+        let (nothing, one, never) =
+            (margin_m.same(0.0), margin_m.same(1.0), margin_m.same(f64::NEG_INFINITY));
+        for (stick, place) in places.enumerate() {
+            if !moving.is_heads {
+                self.look_at(&moving.surface, stick, place, margin_m, again);
+                continue;
+            }
+            // What keeps its place in the head's axes does not come nearer by itself.
+            let seen = self.seen[stick];
+            let far = seen.far(place, margin_m);
+            if !one.any_above(far) {
+                self.let_go(stick, again);
+                continue;
+            }
+            let room_m =
+                self.look_at(&moving.surface, stick, place, far.above(nothing, never, margin_m), again);
+            let place = Vector::where_above(far, nothing, seen.place, place);
+            self.seen[stick] = Seen { place, room_m: far.above(nothing, seen.room_m, room_m) };
+        }
+    }
+
     /// Whether the end of a stick may touch in a step: whether, for any strand, it is or is expected to come within
     /// `margin_m` (minus infinity for a strand that does not look); `again`: or comes to in the same step. What bore it is
     /// forgotten by a strand for which it is not, whatever the others do. Out: how far it may go before it can be nearer than
     /// it may come, m.
     #[inline(always)]
-    pub fn look(&mut self, surface: &Surface, stick: usize, place: Vector<L>, margin_m: L, again: bool) -> L {
+    fn look_at(&mut self, surface: &Surface, stick: usize, place: Vector<L>, margin_m: L, again: bool) -> L {
         let (limit_m, nothing) = (self.limits_m[stick], margin_m.same(0.0));
         let (gap, _) = gaps(surface, place);
         let beyond = gap - limit_m - margin_m;
@@ -119,7 +155,7 @@ impl<L: Lane> Touchable<L> {
 
     /// The end of a stick is far: nothing of what bore it is left, unless a step was begun with it.
     #[inline(always)]
-    pub fn let_go(&mut self, stick: usize, again: bool) {
+    fn let_go(&mut self, stick: usize, again: bool) {
         if self.is_borne[stick] && !again {
             self.is_borne[stick] = false;
             let zero = self.limits_m[stick].same(0.0);

@@ -228,6 +228,7 @@ impl<L: Lane> Batch<L> {
             work.stiffness = link.stiffness + damping;
             work.natural = link.natural + (state.bend * now + state.bend_before * before) * damping;
             work.turn = go_on(state);
+            state.age();
             work.direction = work.turn.x_axis();
             end = work.direction.mul_add(link.length, end);
             work.place = end;
@@ -300,14 +301,9 @@ impl<L: Lane> Batch<L> {
         self.touchable.iter_mut().for_each(Touchable::remember);
         let mut before = self.root_turn;
         for (state, work) in self.states.iter_mut().zip(work) {
-            state.turn_long_before = state.turn_before;
-            state.turn_before = state.turn;
             state.turn = work.turn;
-            state.place_before = state.place;
             state.place = work.place;
-            state.velocity_before = state.velocity;
             state.velocity = work.velocity(weights.per_h);
-            state.bend_before = state.bend;
             state.bend = before.inverse().after(work.turn).bend();
             before = work.turn;
         }

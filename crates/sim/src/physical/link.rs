@@ -41,6 +41,19 @@ pub(crate) struct State<L> {
     pub bend_before: Vector<L>,
 }
 
+impl<L: Lane> State<L> {
+    /// A step on: what is now is what was a step ago, until the step's end is known. Done where all of it has just been
+    /// read, so that the end need not read it again.
+    #[inline(always)]
+    pub fn age(&mut self) {
+        self.turn_long_before = self.turn_before;
+        self.turn_before = self.turn;
+        self.place_before = self.place;
+        self.velocity_before = self.velocity;
+        self.bend_before = self.bend;
+    }
+}
+
 /// What bends and twists a joint: gradient and (Gauss-Newton) second derivative of its potential.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bending<L> {
