@@ -64,6 +64,8 @@ pub(crate) struct Batch<L> {
     pub at_rest: bool,
     /// Where the strands asked the field, if that is to be known.
     pub asked: Option<Extent<L>>,
+    /// How many implicit steps have been taken since.
+    pub n_moved: u64,
     pub count: Count,
 }
 

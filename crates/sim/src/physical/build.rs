@@ -115,6 +115,7 @@ pub(super) fn build<L: Lane>(strands: &[&Prepared], law: &DragLaw) -> Batch<L> {
         contraction2: L::one(),
         at_rest: true,
         asked: None,
+        n_moved: 0,
         count: Count::default(),
     }
 }

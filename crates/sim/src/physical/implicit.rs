@@ -60,7 +60,12 @@ const fn share_of_way(updates: usize) -> f64 {
 /// over by it. Where nothing touches, second updates are a hundredth of the first ones.
 const DOUBT2: f64 = 4.0;
 const BEST_CONTRACTION2: f64 = 4e-4;
-const FORGOTTEN2: f64 = 1.2;
+const FORGOTTEN2: f64 = 1.05;
+
+/// Every so many steps all strands take two iterations or more, which measures their contraction: all in the same steps,
+/// for a batch goes on until its last strand has settled. If it rises, fewer steps take two, doubt has more time to grow,
+/// and strands are farther from where iterations without end would take them.
+const MEASURED_EVERY: u64 = 8;
 
 /// Squared updates below this are rounding, m².
 const TINY2: f64 = 1e-32;
@@ -117,6 +122,7 @@ impl<L: Lane> Batch<L> {
             return;
         }
         self.at_rest = false;
+        self.n_moved += 1;
         // After a cut the hair goes along, with the shape and the velocities it had, as the head sees them.
         let moved = carry.filter(|carry| !carry.is_cut).map(|carry| Moved::new(carry, self.contact_give));
         if let Some(moved) = &moved {
@@ -134,6 +140,7 @@ impl<L: Lane> Batch<L> {
     ///
     /// The next update is foretold: by how much smaller the last one was than the one before, and for the first by how
     /// much smaller the second was in an earlier step. What surfaces do other than was foretold is known, and counts too.
+    /// In every [`MEASURED_EVERY`]th step nothing is foretold of the first.
     #[inline(always)]
     fn settle(&mut self, work: &mut [Work<L>], model: &Model, now: &Now<'_>, weights: &Weights<L>) {
         let (zero, one) = (weights.h.same(0.0), weights.h.same(1.0));
@@ -148,6 +155,7 @@ impl<L: Lane> Batch<L> {
         let (mut moved2, mut moved2_before) = (zero, zero);
         let mut contraction2 = self.contraction2;
         self.contraction2 = (self.contraction2 * weights.h.same(FORGOTTEN2)).min(one);
+        let measures = self.n_moved.is_multiple_of(MEASURED_EVERY);
         // Within how much of the places contacts have been looked for.
         let mut room_m = weights.h.same(-1.0);
         for updates in 0.. {
@@ -165,7 +173,8 @@ impl<L: Lane> Batch<L> {
                 }
             }
             if updates > 0 {
-                let expected2 = moved2 * contraction2;
+                let goes_on = measures && updates == 1;
+                let expected2 = if goes_on { settled2 + settled2 } else { moved2 * contraction2 };
                 active = expected2.above(settled2, active, off2.above(felt2, active, zero));
                 if !active.any_above(zero) {
                     return;
