@@ -38,7 +38,7 @@ pub(crate) trait Mechanics: Copy + Debug + Send + Sync + 'static {
     /// What a step writes and reads again for each stick.
     type Work<L: Lane>;
     /// What the world does in a step.
-    type World<'a>: Sync;
+    type World<'a>: Send + Sync;
 
     /// Registers and digits that an integrator is stepped with.
     fn lanes(options: &SimOptions) -> (Registers, Precision) {

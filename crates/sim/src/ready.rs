@@ -386,7 +386,7 @@ impl<M: Mechanics, L: Lane> Stopped<M, L> {
         run: &Run<'_, M>,
         mut batches: Vec<Lanes<M, L>>,
         (first, last): (usize, usize),
-        mut put: impl FnMut(usize, &[usize], &[[f32; 3]]),
+        mut put: impl FnMut(usize, &[usize], &[[f32; 3]]) + Send,
     ) {
         if self.frame == first {
             batches.iter().for_each(|lanes| put(0, lanes.strands(), &lanes.points()));

@@ -41,34 +41,48 @@ const BLOCK_OF_MANY: usize = 3;
 
 impl<M: Mechanics> Run<'_, M> {
     /// Moves batches from a frame to another, a block of steps at a time. `put` gets each frame, the strands of each
-    /// batch, and their points without the roots.
+    /// batch, and their points without the roots: those of a block while the next one is stepped, so that one thread alone
+    /// is at it while others do not wait.
     pub fn advance<L: Lane>(
         &self,
         batches: &mut [Lanes<M, L>],
         (first, last): (usize, usize),
         progress: &dyn Progress,
-        mut put: impl FnMut(usize, &[usize], &[[f32; 3]]),
+        mut put: impl FnMut(usize, &[usize], &[[f32; 3]]) + Send,
     ) {
         let per_frame = self.timeline.steps_per_frame;
-        let n_strands: usize = batches.iter().map(|lanes| lanes.strands.len()).sum();
-        // What each batch has moved through in a block. Kept from block to block: memory that is new each time costs more.
-        let mut moved: Vec<Vec<[f32; 3]>> = vec![Vec::new(); batches.len()];
+        let strands: Vec<Vec<usize>> = batches.iter().map(|lanes| lanes.strands.clone()).collect();
+        let n_points: Vec<usize> = batches.iter().map(Lanes::n_points).collect();
+        let n_strands: usize = strands.iter().map(Vec::len).sum();
+        // What each batch moves through in a block, and what it moved through in the one before. Kept from block to block:
+        // memory that is new each time costs more.
+        let mut moving: Vec<Vec<[f32; 3]>> = vec![Vec::new(); batches.len()];
+        let mut moved = moving.clone();
+        let mut hand_out = |moved: &[Vec<[f32; 3]>], begin: usize| {
+            for ((strands, n_points), points) in strands.iter().zip(&n_points).zip(moved) {
+                for (k, points) in points.chunks_exact(*n_points).enumerate() {
+                    put(begin / per_frame + 1 + k, strands, points);
+                }
+            }
+        };
         let (done, total) = (AtomicU64::new(0), (n_strands * (last - first) * per_frame) as u64);
+        let mut before = first * per_frame;
         for steps in self.blocks((first, last)) {
             let begin = steps.start;
             let world = |step| self.mechanics.world(&self.timeline, &self.sampler, self.reading, step);
-            let worlds: Vec<M::World<'_>> = steps.clone().map(world).collect();
-            batches.par_iter_mut().zip(&mut moved).for_each_init(Vec::new, |work, (lanes, points)| {
-                self.take_steps(lanes, work, begin, &worlds, points);
-                let n = (lanes.strands.len() * steps.len()) as u64;
-                progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
-            });
-            for (lanes, points) in batches.iter().zip(&moved) {
-                for (k, points) in points.chunks_exact(lanes.n_points()).enumerate() {
-                    put(begin / per_frame + 1 + k, &lanes.strands, points);
-                }
-            }
+            let worlds: Vec<M::World<'_>> = steps.clone().into_par_iter().map(world).collect();
+            let step = || {
+                batches.par_iter_mut().zip(&mut moving).for_each_init(Vec::new, |work, (lanes, points)| {
+                    self.take_steps(lanes, work, begin, &worlds, points);
+                    let n = (lanes.strands.len() * steps.len()) as u64;
+                    progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
+                });
+            };
+            rayon::join(step, || hand_out(&moved, before));
+            core::mem::swap(&mut moving, &mut moved);
+            before = begin;
         }
+        hand_out(&moved, before);
     }
 
     /// The steps from a frame to another, block by block.
