@@ -14,6 +14,7 @@ mod spline;
 mod statements;
 mod taught;
 mod tracks;
+mod triangle;
 mod wig;
 
 use crate::resample::n_steps;

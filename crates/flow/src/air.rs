@@ -21,8 +21,8 @@ pub struct AirState {
     /// The coefficients of the swirl modes, then the wind far away (head axes, m/s), the wake's strength, and the logarithm
     /// of the layer's thickness in m.
     pub values: DVector<f64>,
-    /// Their covariance.
-    pub covariance: DMatrix<f64>,
+    /// Their covariance; `None` where nobody asked for it, which counts as if they were known.
+    pub covariance: Option<DMatrix<f64>>,
     /// How strong swirls are, m/s: what a coefficient of 1 stands for.
     pub swirl_mps: f64,
     /// Where each fan blows, head axes, unit length; zero for one that is off.
@@ -82,6 +82,23 @@ pub struct WindAt {
 }
 
 impl AirFlow {
+    /// The same air without how sure it is, which is most of what it holds.
+    #[must_use]
+    pub fn without_covariances(&self) -> Self {
+        let state = |state: &AirState| AirState {
+            values: state.values.clone(),
+            covariance: None,
+            swirl_mps: state.swirl_mps,
+            fans: state.fans.clone(),
+        };
+        Self {
+            stream: self.stream,
+            modes: self.modes.clone(),
+            swirl_share: self.swirl_share,
+            states: self.states.iter().map(state).collect(),
+        }
+    }
+
     /// The wind at a point of head space at a step.
     pub fn at(&self, step: usize, point_m: Vec3) -> WindAt {
         self.wind_at(&self.stream.at(point_m), step, &self.now(step), point_m)
@@ -127,7 +144,10 @@ impl AirFlow {
         let changes = winds.iter().flat_map(|wind| wind.change.iter().copied());
         // A column for each component of each point.
         let changes = DMatrix::from_iterator(state.values.len(), 3 * winds.len(), changes);
-        let spread = &state.covariance * &changes;
+        let spread = match &state.covariance {
+            Some(covariance) => covariance * &changes,
+            None => DMatrix::zeros(changes.nrows(), changes.ncols()),
+        };
         let of_point = |(point, wind): (usize, &WindAt)| {
             let [changes, spread] = [&changes, &spread].map(|all| all.fixed_columns::<3>(3 * point));
             changes.tr_mul(&spread) + Matrix3::identity() * (wind.left_out_mps * wind.left_out_mps)
@@ -160,14 +180,15 @@ mod tests {
         let mut values = DVector::from_fn(n, |i, _| 0.1 * i as f64);
         values[n - 1] = -4.0;
         let covariance = DMatrix::from_fn(n, n, |r, c| if r == c { 0.5 } else { 0.01 });
-        let state = AirState { values, covariance, swirl_mps: 0.4, fans: Vec::new() };
+        let state =
+            AirState { values, covariance: Some(covariance.clone()), swirl_mps: 0.4, fans: Vec::new() };
         let air =
             AirFlow { stream: Stream::round(&Body::none()), modes, swirl_share: 0.2, states: vec![state] };
         let streams: Vec<_> = points.iter().map(|p| (*p, air.stream.at(*p))).collect();
         for (spread, point) in air.spreads_mps(0, &streams).iter().zip(&points) {
             let wind = air.at(0, *point);
             let rows = DMatrix::from_row_slice(3, n, &wind.change);
-            let known = &rows * &air.states[0].covariance * rows.transpose();
+            let known = &rows * &covariance * rows.transpose();
             let expected = (known.trace() / 3.0 + wind.left_out_mps * wind.left_out_mps).sqrt();
             assert!((spread - expected).abs() < 1e-12, "{spread} {expected}");
             let alone = air.covariances(0, &[wind])[0];

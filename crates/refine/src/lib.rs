@@ -65,7 +65,7 @@ pub struct Measured<'a> {
 pub struct Refined {
     /// The wind; as it was before if nothing made it better.
     pub fit: Fit,
-    /// The same on its grid, if it was laid there for a comparison.
+    /// The same on its grid, if it was laid there for the last comparison.
     pub field: Option<FieldSequence>,
     /// What happened.
     pub report: RefineReport,
@@ -133,21 +133,24 @@ fn with_all(
     progress: &dyn Progress,
 ) -> Result<Refined, RefineError> {
     let mut turn = Turn::known(first);
-    let mut compared = around.compare(&turn)?;
-    let mut rounds = vec![compared.round(&[])];
+    let first = around.compare(&turn)?;
+    let mut rounds = vec![first.round(&[])];
+    let mut compared = Some(first);
     let mut kept = 0;
-    while kept < most_rounds && kept + 1 == rounds.len() {
+    while kept < most_rounds
+        && let Some(of_turn) = compared.take()
+    {
         progress.at(kept as u64, most_rounds as u64);
-        let next = around.again(&turn, &compared, &[])?;
+        let next = around.again(&turn, of_turn, &[])?;
         let of_next = around.compare(&next)?;
         rounds.push(of_next.round(&[]));
         if report::best(&rounds) > kept {
-            (turn, compared, kept) = (next, of_next, kept + 1);
+            (turn, compared, kept) = (next, Some(of_next), kept + 1);
         }
     }
     progress.at(most_rounds as u64, most_rounds as u64);
     let report = RefineReport { held_out: Vec::new(), rounds, kept };
-    Ok(Refined { fit: turn.fit, field: Some(compared.field), report })
+    Ok(Refined { fit: turn.fit, field: compared.map(|compared| compared.field), report })
 }
 
 /// Goes as many rounds with all locks as serve those best that are held out.
@@ -169,16 +172,16 @@ fn with_some_held_out(
     let mut rounds = vec![compared.round(&held_out)];
     for round in 0..most_rounds {
         progress.at(round as u64 + 1, total);
-        turn = around.again(&turn, &compared, &held_out)?;
+        turn = around.again(&turn, compared, &held_out)?;
         compared = around.compare(&turn)?;
         rounds.push(compared.round(&held_out));
     }
+    drop(compared);
     let kept = report::best(&rounds);
     let mut turn = Turn::known(first);
     for round in 0..kept {
         progress.at((most_rounds + round) as u64 + 1, total);
-        let compared = around.compare(&turn)?;
-        turn = around.again(&turn, &compared, &[])?;
+        turn = around.again(&turn, around.compare(&turn)?, &[])?;
     }
     progress.at(total, total);
     let name = |idx: &usize| around.measured.session.strands[*idx].name.clone();

@@ -6,7 +6,7 @@ use crate::wig::{capture, simulated, with_scales};
 use crate::{Lay, Measured, RefineError};
 use tousle_core::{HeadCapture, NoProgress, Track};
 use tousle_field::FieldSequence;
-use tousle_fit::{Fit, Scales, Taught, Wig};
+use tousle_fit::{Defects, Fit, Scales, Taught, Wig};
 
 /// What stays the same from round to round.
 pub(crate) struct Loop<'a> {
@@ -16,16 +16,16 @@ pub(crate) struct Loop<'a> {
     pub(crate) lay: &'a Lay<'a>,
 }
 
-/// A wind, and what it was measured with.
+/// A wind, and what the locks were made of when it was measured.
 pub(crate) struct Turn {
     pub(crate) fit: Fit,
-    taught: Taught,
+    scales: Vec<Scales>,
 }
 
 impl Turn {
     /// A wind measured without any lesson.
     pub(crate) fn known(fit: Fit) -> Self {
-        Self { fit, taught: Taught::default() }
+        Self { fit, scales: Vec::new() }
     }
 
     /// The same measured without some locks.
@@ -38,36 +38,44 @@ impl Loop<'_> {
     /// The wig in a turn's wind beside the seen one.
     pub(crate) fn compare(&self, turn: &Turn) -> Result<Compared, RefineError> {
         let field = self.lay(&turn.fit)?;
-        let groom = with_scales(self.wig, &turn.taught.scales);
+        let groom = with_scales(self.wig, &turn.scales);
         let markers = simulated(self.wig, &groom, &field, self.measured)?;
         Ok(compare(self.measured, markers, field))
     }
 
     /// Learns from a comparison and measures anew, without the locks that are held out.
+    ///
+    /// What is learnt from is let go before that: of a long capture it is as large as all that measuring needs.
     pub(crate) fn again(
         &self,
         turn: &Turn,
-        compared: &Compared,
+        mut compared: Compared,
         held_out: &[usize],
     ) -> Result<Turn, RefineError> {
+        let scales = self.learnt(turn, &compared, held_out)?;
+        compared.field.steps.clear();
+        let mut taught = Taught { scales, ..Taught::default() };
+        if let Some(air) = &turn.fit.air {
+            taught.defects = self.defects(turn, &compared)?;
+            taught.air = Some(air.without_covariances());
+        }
+        drop(compared);
+        Ok(Turn { fit: self.fit(&taught, held_out)?, scales: taught.scales })
+    }
+
+    /// What the balance leaves over of the simulated locks, as far as they stand for the seen ones; nothing without air.
+    fn defects(&self, turn: &Turn, compared: &Compared) -> Result<Vec<Option<Defects>>, RefineError> {
+        let Some(air) = &turn.fit.air else { return Ok(Vec::new()) };
         let Measured { head, session, options, .. } = *self.measured;
-        let scales = self.learnt(turn, compared, held_out)?;
-        let taught = match &turn.fit.air {
-            Some(air) => {
-                let simulated = capture(head, &compared.markers);
-                let mut defects =
-                    tousle_fit::defects(&simulated, session, options, &turn.taught.scales, air)?;
-                for (strand_idx, defects) in defects.iter_mut().enumerate() {
-                    let near = |step: usize| compared.nearness(strand_idx, step, options.rate_hz);
-                    if let Some(defects) = defects {
-                        defects.fade(near);
-                    }
-                }
-                Taught { scales, defects, air: Some(air.clone()) }
+        let simulated = capture(head, &compared.markers);
+        let mut defects = tousle_fit::defects(&simulated, session, options, &turn.scales, air)?;
+        for (strand_idx, defects) in defects.iter_mut().enumerate() {
+            let near = |step: usize| compared.nearness(strand_idx, step, options.rate_hz);
+            if let Some(defects) = defects {
+                defects.fade(near);
             }
-            None => Taught { scales, ..Taught::default() },
-        };
-        Ok(Turn { fit: self.fit(&taught, held_out)?, taught })
+        }
+        Ok(defects)
     }
 
     fn learnt(
@@ -76,7 +84,7 @@ impl Loop<'_> {
         compared: &Compared,
         held_out: &[usize],
     ) -> Result<Vec<Scales>, RefineError> {
-        let mut now = turn.taught.scales.clone();
+        let mut now = turn.scales.clone();
         now.resize(self.measured.session.strands.len(), Scales::default());
         let answer = |change: &dyn Fn(&Scales) -> Scales| -> Result<_, RefineError> {
             let changed: Vec<Scales> = now.iter().map(change).collect();

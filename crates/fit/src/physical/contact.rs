@@ -6,32 +6,48 @@ use nalgebra::{DMatrix, DVector};
 use tousle_core::Vec3;
 use tousle_rod::{Surface, nonnegative_least_squares};
 
-/// Moments of unit forces at every point of a lock that may touch the body, three columns each: outwards, and two along
-/// the surface.
-pub(crate) fn touching(seen: &SeenLock, at: &LockAt, surfaces: &[Surface], within_m: f64) -> DMatrix<f64> {
-    let n = seen.lock.n_sticks();
-    let mut touches: Vec<(usize, Vec3)> = Vec::new();
-    for k in 0..n {
-        for surface in surfaces {
-            if let Some(gap) = surface.gap_within(at.points_m[k + 1], within_m) {
-                touches.push((k, gap.normal));
-            }
-        }
-    }
-    let mut columns = DMatrix::zeros(2 * n, 3 * touches.len());
-    for (touch, (k, normal)) in touches.iter().enumerate() {
-        let [first, second] = across(*normal);
-        for j in 0..=*k {
-            let arm = at.points_m[k + 1] - at.points_m[j];
-            for (row, axis) in at.across[j].iter().enumerate() {
-                let lever = axis.cross(&arm);
-                for (c, force) in [*normal, first, second].iter().enumerate() {
-                    columns[(2 * j + row, 3 * touch + c)] = lever.dot(force);
+/// A place where a lock may touch the body.
+pub(crate) struct Touch {
+    /// The stick that ends there.
+    stick: usize,
+    /// Out of the body.
+    normal: Vec3,
+}
+
+impl Touch {
+    /// All places of a lock that are near enough.
+    pub(crate) fn all(seen: &SeenLock, at: &LockAt, surfaces: &[Surface], within_m: f64) -> Vec<Self> {
+        let mut touches = Vec::new();
+        for stick in 0..seen.lock.n_sticks() {
+            for surface in surfaces {
+                if let Some(gap) = surface.gap_within(at.points_m[stick + 1], within_m) {
+                    touches.push(Self { stick, normal: gap.normal });
                 }
             }
         }
+        touches
     }
-    columns
+
+    /// Moments of a unit push.
+    pub(crate) fn of_push(&self, at: &LockAt) -> DVector<f64> {
+        self.of_force(at, self.normal)
+    }
+
+    /// Moments of unit rubs two ways along the surface.
+    pub(crate) fn of_rubs(&self, at: &LockAt) -> DMatrix<f64> {
+        DMatrix::from_columns(&across(self.normal).map(|force| self.of_force(at, force)))
+    }
+
+    fn of_force(&self, at: &LockAt, force: Vec3) -> DVector<f64> {
+        let mut moments = DVector::zeros(2 * at.across.len());
+        for j in 0..=self.stick {
+            let arm = at.points_m[self.stick + 1] - at.points_m[j];
+            for (row, axis) in at.across[j].iter().enumerate() {
+                moments[2 * j + row] = axis.cross(&arm).dot(&force);
+            }
+        }
+        moments
+    }
 }
 
 /// What is known of a lock's imbalance: rows of it, combined so that they are independent and of variance 1.
@@ -42,22 +58,23 @@ pub(crate) struct Whitened {
     pub(crate) n_pushing: usize,
 }
 
-/// Takes out of a whitened imbalance what the body may do, `touching` being whitened in the same way.
+/// Takes out of a whitened imbalance what the body may do: `of_pushes`, a column for each place where it may push, and
+/// `of_rubs`, two for a place where it does, being whitened in the same way.
 ///
 /// The pushes ≥ 0 are those that leave the least imbalance, small ones preferred (`likely_push_n` is their scale, N).
 /// Where it pushes, its push and its friction, up to `friction` of it, are unknowns of that size: what they would explain is
 /// no evidence of wind.
 pub(crate) fn less_body(
     white: Whitened,
-    touching: &DMatrix<f64>,
+    of_pushes: &DMatrix<f64>,
+    of_rubs: impl Fn(usize) -> DMatrix<f64>,
     likely_push_n: f64,
     friction: f64,
 ) -> Whitened {
-    let n_touches = touching.ncols() / 3;
-    if n_touches == 0 {
+    if of_pushes.ncols() == 0 {
         return white;
     }
-    let pushes = pushes(&white.moments, touching, likely_push_n);
+    let pushes = pushes(&white.moments, of_pushes, likely_push_n);
     let pushing: Vec<(usize, f64)> =
         pushes.iter().copied().enumerate().filter(|(_, push)| *push > 0.0).collect();
     if pushing.is_empty() {
@@ -66,8 +83,9 @@ pub(crate) fn less_body(
     let n_rows = white.moments.len();
     let mut unknown = DMatrix::zeros(n_rows, 3 * pushing.len());
     for (k, (touch, push)) in pushing.iter().enumerate() {
-        for (along, size_n) in [likely_push_n, friction * push, friction * push].into_iter().enumerate() {
-            unknown.column_mut(3 * k + along).axpy(size_n, &touching.column(3 * touch + along), 0.0);
+        unknown.column_mut(3 * k).axpy(likely_push_n, &of_pushes.column(*touch), 0.0);
+        for (along, of_rub) in of_rubs(*touch).column_iter().enumerate() {
+            unknown.column_mut(3 * k + 1 + along).axpy(friction * push, &of_rub, 0.0);
         }
     }
     let n_pushing = pushing.len();
@@ -92,21 +110,20 @@ fn told(unknown: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 }
 
 /// The pushes ≥ 0, N, that leave the least of a whitened imbalance, small ones preferred.
-fn pushes(moments: &DVector<f64>, touching: &DMatrix<f64>, likely_push_n: f64) -> DVector<f64> {
-    let n_touches = touching.ncols() / 3;
-    let normals = DMatrix::from_fn(touching.nrows(), n_touches, |r, c| touching[(r, 3 * c)] * likely_push_n);
-    let gram = normals.tr_mul(&normals) + DMatrix::identity(n_touches, n_touches);
-    nonnegative_least_squares(&gram, &-normals.tr_mul(moments)) * likely_push_n
+fn pushes(moments: &DVector<f64>, of_pushes: &DMatrix<f64>, likely_push_n: f64) -> DVector<f64> {
+    let likely = of_pushes * likely_push_n;
+    let gram = likely.tr_mul(&likely) + DMatrix::identity(likely.ncols(), likely.ncols());
+    nonnegative_least_squares(&gram, &-likely.tr_mul(moments)) * likely_push_n
 }
 
 /// A whitened imbalance less those pushes of the body.
 pub(crate) fn less_pushes(
     moments: &DVector<f64>,
-    touching: &DMatrix<f64>,
+    of_pushes: &DMatrix<f64>,
     likely_push_n: f64,
 ) -> DVector<f64> {
-    let pushes = pushes(moments, touching, likely_push_n);
-    pushes.iter().enumerate().fold(moments.clone(), |left, (k, push)| left + touching.column(3 * k) * *push)
+    let pushes = pushes(moments, of_pushes, likely_push_n);
+    pushes.iter().enumerate().fold(moments.clone(), |left, (k, push)| left + of_pushes.column(k) * *push)
 }
 
 #[cfg(test)]
@@ -125,12 +142,12 @@ mod tests {
     #[test]
     fn the_body_pushes_and_never_pulls() {
         // 1 N outwards makes a moment of 100 in the first row; nothing along the surface does anything.
-        let touching = DMatrix::from_row_slice(2, 3, &[100.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        let pushed = less_body(white(&[-5.0, 1.0]), &touching, 1.0, 0.25);
+        let (of_push, of_rubs) = (DMatrix::from_row_slice(2, 1, &[100.0, 0.0]), |_| DMatrix::zeros(2, 2));
+        let pushed = less_body(white(&[-5.0, 1.0]), &of_push, of_rubs, 1.0, 0.25);
         assert_eq!(pushed.n_pushing, 1);
         assert!(pushed.moments[0].abs() < 0.1 && (pushed.moments[1] - 1.0).abs() < 1e-12);
         assert!(pushed.by_wind[(0, 0)] < 0.02, "wind there is no longer told");
-        let pulled = less_body(white(&[5.0, 1.0]), &touching, 1.0, 0.25);
+        let pulled = less_body(white(&[5.0, 1.0]), &of_push, of_rubs, 1.0, 0.25);
         assert_eq!((pulled.n_pushing, pulled.moments[0]), (0, 5.0));
     }
 
@@ -147,8 +164,9 @@ mod tests {
     /// Friction explains as much as it may: what takes no more than its share of the push.
     #[test]
     fn friction_is_an_unknown_of_its_size() {
-        let touching = DMatrix::from_row_slice(2, 3, &[100.0, 0.0, 0.0, 0.0, 100.0, 0.0]);
-        let rubbed = less_body(white(&[-50.0, 3.0]), &touching, 1.0, 0.25);
+        let of_push = DMatrix::from_row_slice(2, 1, &[100.0, 0.0]);
+        let of_rubs = |_| DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 100.0, 0.0]);
+        let rubbed = less_body(white(&[-50.0, 3.0]), &of_push, of_rubs, 1.0, 0.25);
         // Half a newton pushes: friction's unknown moment has a standard deviation of 12.5 beside the error's 1.
         assert!((rubbed.moments[1] - 3.0 / libm::hypot(1.0, 12.5)).abs() < 0.01, "{}", rubbed.moments[1]);
     }

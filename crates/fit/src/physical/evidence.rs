@@ -4,6 +4,7 @@ use super::contact;
 use super::lock::SeenLock;
 use super::moments::{Balance, DragSlope, Imbalance};
 use super::noise;
+use super::triangle::Triangle;
 use nalgebra::{DMatrix, DVector};
 use tousle_core::{STANDARD_GRAVITY, Vec3};
 use tousle_flow::{AirFlow, Stream, StreamAt, StreamNow};
@@ -21,9 +22,11 @@ pub(crate) struct Station {
     points_m: Vec<Vec3>,
     streams: Vec<StreamAt>,
     /// Lower factor of the covariance of the lock's moments; `None` if there is none.
-    lower: Option<DMatrix<f64>>,
-    /// Moments of unit pushes of the body, whitened.
-    touching: DMatrix<f64>,
+    lower: Option<Triangle>,
+    /// Where the body may push.
+    touches: Vec<contact::Touch>,
+    /// Moments of a unit push at each, whitened.
+    of_pushes: DMatrix<f64>,
 }
 
 impl Station {
@@ -41,10 +44,16 @@ impl Station {
         };
         let points_m: Vec<Vec3> = seen.wind_places_m.iter().map(place).collect();
         let streams = points_m.iter().map(|p| stream.at(*p)).collect();
-        let lower = noise::covariance(balance).cholesky().map(|factor| factor.l());
-        let touching = contact::touching(seen, at, surfaces, seen.lock.width_m + CURVE_ERROR_M);
-        let whitened = lower.as_ref().and_then(|lower| lower.solve_lower_triangular(&touching));
-        Self { points_m, streams, lower, touching: whitened.unwrap_or(touching) }
+        let lower = noise::covariance(balance).cholesky().map(|factor| Triangle::of(factor.l_dirty()));
+        let touches = contact::Touch::all(seen, at, surfaces, seen.lock.width_m + CURVE_ERROR_M);
+        let mut of_pushes = DMatrix::zeros(2 * seen.lock.n_sticks(), touches.len());
+        for (mut column, touch) in of_pushes.column_iter_mut().zip(&touches) {
+            column.copy_from(&touch.of_push(at));
+        }
+        if let Some(lower) = &lower {
+            of_pushes = lower.solve(&of_pushes);
+        }
+        Self { points_m, streams, lower, touches, of_pushes }
     }
 }
 
@@ -86,11 +95,13 @@ impl Station {
         let lower = self.lower.as_ref()?;
         let weight_n = weight_n(balance.seen);
         let white = contact::Whitened {
-            moments: lower.solve_lower_triangular(&out.moments)?,
-            by_wind: lower.solve_lower_triangular(&out.by_wind)?,
+            moments: lower.solve_column(&out.moments),
+            by_wind: lower.solve(&out.by_wind),
             n_pushing: 0,
         };
-        let white = contact::less_body(white, &self.touching, weight_n, friction);
+        let at = &balance.seen.steps[balance.step];
+        let of_rubs = |touch: usize| lower.solve(&self.touches[touch].of_rubs(at));
+        let white = contact::less_body(white, &self.of_pushes, of_rubs, weight_n, friction);
         let square = white.moments.norm_squared();
         let weight = ((ROBUST + white.moments.len() as f64) / (ROBUST + square)).min(1.0);
         square.is_finite().then_some(Evidence {
@@ -112,8 +123,8 @@ impl Station {
     ) -> Option<DVector<f64>> {
         let (out, _) = self.imbalance(balance, air, now, DragSlope::Tangent);
         let lower = self.lower.as_ref()?;
-        let white = lower.solve_lower_triangular(&out.moments)?;
-        Some(lower * contact::less_pushes(&white, &self.touching, weight_n(balance.seen)))
+        let white = lower.solve_column(&out.moments);
+        Some(lower.times(&contact::less_pushes(&white, &self.of_pushes, weight_n(balance.seen))))
     }
 
     /// The imbalance in the air, and the change of the wind at its places with that.

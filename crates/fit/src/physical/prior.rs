@@ -4,7 +4,6 @@ use super::smoother::{Carried, Wander};
 use super::solve::Problem;
 use crate::outside::fan_winds;
 use nalgebra::{DMatrix, DVector, Matrix3, Translation3};
-use rayon::prelude::*;
 use tousle_core::{Pose, Vec3};
 use tousle_flow::{AirFlow, N_STREAM};
 
@@ -76,12 +75,9 @@ pub(crate) fn is_still(problem: &Problem<'_>, step: usize) -> bool {
     problem.still.is_some_and(|(first, last)| (first..=last).contains(&frame))
 }
 
-/// The state's prior: swirls about nothing, wake and layer about what is usual, the wind far away from step to step.
-///
-/// The stream carries swirls past (G. I. Taylor's hypothesis, "The spectrum of turbulence", 1938): what blows somewhere was
-/// upstream before, at the speed that `air` has far away.
-pub(crate) fn wander(problem: &Problem<'_>, fan_wind: &[FanWind], air: &AirFlow) -> Wander {
-    let n_modes = air.modes.n_modes();
+/// The state's prior: swirls about nothing, carried as [`carried`] says, wake and layer about what is usual, the wind far away
+/// from step to step.
+pub(crate) fn wander(problem: &Problem<'_>, fan_wind: &[FanWind], n_modes: usize) -> Wander {
     let n = n_modes + N_STREAM;
     let dt = 1.0 / problem.clock.rate_hz;
     let keep = |lasts_secs: f64| libm::exp(-dt / lasts_secs);
@@ -99,13 +95,14 @@ pub(crate) fn wander(problem: &Problem<'_>, fan_wind: &[FanWind], air: &AirFlow)
     for c in n_modes..n_modes + 3 {
         (keeps[c], first[c], fresh[c]) = (1.0, 0.0, 1.0 / (step_mps * step_mps));
     }
-    let carried =
-        (0..problem.clock.n_steps).into_par_iter().map(|step| carried(problem, air, step)).collect();
-    Wander { mean, first, keeps, fresh, carried }
+    Wander { mean, first, keeps, fresh, n_carried: n_modes }
 }
 
 /// How swirls that travel come to a step from the one before.
-fn carried(problem: &Problem<'_>, air: &AirFlow, step: usize) -> Carried {
+///
+/// The stream carries them past (G. I. Taylor's hypothesis, "The spectrum of turbulence", 1938): what blows somewhere was
+/// upstream before, at the speed that `air` has far away.
+pub(crate) fn carried(problem: &Problem<'_>, air: &AirFlow, step: usize) -> Carried {
     let n = air.modes.n_modes();
     let dt = 1.0 / problem.clock.rate_hz;
     let before = step.saturating_sub(1);

@@ -1,5 +1,6 @@
 //! The most likely course of a state over time, from what is likely before and what every step says.
 
+use super::triangle::Triangle;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -13,8 +14,8 @@ pub(crate) struct Wander {
     pub(crate) keeps: DVector<f64>,
     /// Precision of what is added to it anew.
     pub(crate) fresh: DVector<f64>,
-    /// How the first numbers, which are about nothing, come to each step from the one before; the first step's is not used.
-    pub(crate) carried: Vec<Carried>,
+    /// How many numbers are carried, which are about nothing.
+    pub(crate) n_carried: usize,
 }
 
 /// How some numbers come to a step from the one before.
@@ -36,90 +37,98 @@ impl Carried {
 /// What a step's measurements say: ½ xᵀ `information` x − `vector`ᵀ x is least where they are met best.
 #[derive(Default)]
 pub(crate) struct Said {
-    pub(crate) information: DMatrix<f64>,
+    /// Symmetric: its lower half.
+    pub(crate) information: Triangle,
     pub(crate) vector: DVector<f64>,
     /// Minus the block that joins the step's state (rows) to that of the step before; `None` if nothing does.
     pub(crate) with_before: Option<DMatrix<f64>>,
 }
 
-/// The most likely states and, if they were asked for, their covariances, by step.
+/// A step's most likely state and, if it was asked for, its covariance.
 pub(crate) struct Likely {
-    pub(crate) states: Vec<DVector<f64>>,
-    pub(crate) covariances: Vec<DMatrix<f64>>,
+    pub(crate) state: DVector<f64>,
+    pub(crate) covariance: Option<DMatrix<f64>>,
 }
 
 impl Wander {
-    /// What a step's measurements say and what is likely, together.
-    fn with(&self, step: usize, n_steps: usize, said: &Said) -> Said {
-        let n_carried = self.n_carried();
-        let (mut block, mut right) = (said.information.clone(), said.vector.clone());
-        let mut carried = block.view_mut((0, 0), (n_carried, n_carried));
-        if step == 0 {
-            (0..n_carried).for_each(|i| carried[(i, i)] += self.first[i]);
-        } else {
-            carried += &self.carried[step].fresh;
+    /// Adds to what the steps say what is likely before they are asked. `carried` tells how numbers come to a step.
+    fn add_to(&self, said: &mut [Said], carried: impl Fn(usize) -> Carried + Sync) {
+        let n_steps = said.len();
+        let come = |(step, said): (usize, &mut Said)| {
+            self.add_others(said, step == 0, step + 1 == n_steps);
+            if step == 0 {
+                (0..self.n_carried).for_each(|i| said.information.add(i, i, self.first[i]));
+                return None;
+            }
+            let Carried { by, fresh, passed } = carried(step);
+            said.information += &Triangle::of(&fresh);
+            self.join(said, &passed);
+            Some(Triangle::of(&(by.transpose() * passed)))
+        };
+        let of_before: Vec<Option<Triangle>> = said.par_iter_mut().enumerate().map(come).collect();
+        for (said, passed) in said.iter_mut().zip(of_before.into_iter().skip(1).flatten()) {
+            said.information += &passed;
         }
-        if let Some(Carried { by, passed, .. }) = self.carried.get(step + 1) {
-            carried += by.transpose() * passed;
-        }
-        for i in n_carried..self.mean.len() {
+    }
+
+    /// Adds what is likely of the numbers that wander by themselves.
+    fn add_others(&self, said: &mut Said, is_first: bool, is_last: bool) {
+        for i in self.n_carried..self.mean.len() {
             let drift = self.mean[i] * (1.0 - self.keeps[i]);
             let (precision, about) =
-                if step == 0 { (self.first[i], self.mean[i]) } else { (self.fresh[i], drift) };
-            block[(i, i)] += precision;
-            right[i] += precision * about;
-            if step + 1 < n_steps {
+                if is_first { (self.first[i], self.mean[i]) } else { (self.fresh[i], drift) };
+            said.information.add(i, i, precision);
+            said.vector[i] += precision * about;
+            if !is_last {
                 let passed = self.keeps[i] * self.fresh[i];
-                block[(i, i)] += self.keeps[i] * passed;
-                right[i] -= passed * drift;
+                said.information.add(i, i, self.keeps[i] * passed);
+                said.vector[i] -= passed * drift;
             }
         }
-        Said { information: block, vector: right, with_before: None }
     }
 
-    /// −(off-diagonal): what the step before passes on to a step.
-    fn passed(&self, step: usize) -> DMatrix<f64> {
-        let n_carried = self.n_carried();
-        let mut passed = DMatrix::from_diagonal(&self.keeps.component_mul(&self.fresh));
-        if n_carried > 0 {
-            passed.view_mut((0, 0), (n_carried, n_carried)).copy_from(&self.carried[step].passed);
+    /// Joins a step to the one before, which passes on to it what is carried so and what the others keep.
+    fn join(&self, said: &mut Said, passed: &DMatrix<f64>) {
+        let n = self.mean.len();
+        let joined = said.with_before.get_or_insert_with(|| DMatrix::zeros(n, n));
+        let mut carried = joined.view_mut((0, 0), passed.shape());
+        carried += passed;
+        for i in self.n_carried..n {
+            joined[(i, i)] += self.keeps[i] * self.fresh[i];
         }
-        passed
-    }
-
-    fn n_carried(&self) -> usize {
-        self.carried.first().map_or(0, |carried| carried.by.nrows())
     }
 }
 
-/// The most likely states, and their covariances if asked for.
+/// The most likely states, and their covariances if asked for, by step.
 ///
 /// The sum of all terms is a quadratic form whose matrix is block-tridiagonal. What the steps before a step say of it, and what
 /// those after it say, are found by two sweeps at once, each by block Cholesky factors: the two-filter smoother (D. C. Fraser and
 /// J. E. Potter, "The optimum linear smoother as a combination of two optimum linear filters", *IEEE Transactions on Automatic
-/// Control* 14, 1969). `None` if a block is not positive.
-pub(crate) fn most_likely(wander: &Wander, said: &[Said], with_covariance: bool) -> Option<Likely> {
+/// Control* 14, 1969). `None` if a block is not positive. `carried` tells how numbers come to a step, of all but the first.
+///
+/// All that is kept of a long capture is here at once, so it is kept once, and by halves where it is symmetric.
+pub(crate) fn most_likely(
+    wander: &Wander,
+    carried: impl Fn(usize) -> Carried + Sync,
+    mut said: Vec<Said>,
+    with_covariance: bool,
+) -> Option<Vec<Likely>> {
+    wander.add_to(&mut said, carried);
     let n_steps = said.len();
-    let own: Vec<Said> =
-        (0..n_steps).into_par_iter().map(|step| wander.with(step, n_steps, &said[step])).collect();
-    let joined = |step: usize| match &said[step].with_before {
-        Some(with_before) => wander.passed(step) + with_before,
-        None => wander.passed(step),
-    };
     let (from_before, from_after) = rayon::join(
-        || swept(&own, 0..n_steps, |step| joined(step + 1).transpose()),
-        || swept(&own, (0..n_steps).rev(), joined),
+        || swept(&said, 0..n_steps, |step| said[step + 1].with_before.as_ref().map(DMatrix::transpose)),
+        || swept(&said, (0..n_steps).rev(), |step| said[step].with_before.clone()),
     );
     let (from_before, mut from_after) = (from_before?, from_after?);
     from_after.reverse();
-    let of_step = |((own, before), after): ((&Said, &Said), &Said)| {
-        let factor = (&own.information - &before.information - &after.information).cholesky()?;
-        let state = factor.solve(&(&own.vector + &before.vector + &after.vector));
-        Some((state, with_covariance.then(|| factor.inverse())))
+    let of_step = |((mut own, before), after): ((Said, Said), Said)| {
+        own.information -= &before.information;
+        own.information -= &after.information;
+        let factor = own.information.matrix().cholesky()?;
+        let state = factor.solve(&(own.vector + before.vector + after.vector));
+        Some(Likely { state, covariance: with_covariance.then(|| factor.inverse()) })
     };
-    let found: Option<Vec<_>> = own.par_iter().zip(&from_before).zip(&from_after).map(of_step).collect();
-    let (states, covariances): (Vec<_>, Vec<_>) = found?.into_iter().unzip();
-    Some(Likely { states, covariances: covariances.into_iter().flatten().collect() })
+    said.into_par_iter().zip(from_before).zip(from_after).map(of_step).collect()
 }
 
 /// What is passed on to each step, in the order of `steps`, by all steps before it in that order: information to be taken off its
@@ -127,19 +136,21 @@ pub(crate) fn most_likely(wander: &Wander, said: &[Said], with_covariance: bool)
 fn swept(
     own: &[Said],
     steps: impl Iterator<Item = usize>,
-    link: impl Fn(usize) -> DMatrix<f64>,
+    link: impl Fn(usize) -> Option<DMatrix<f64>>,
 ) -> Option<Vec<Said>> {
     let n = own.first()?.vector.len();
     let mut passed =
-        vec![Said { information: DMatrix::zeros(n, n), vector: DVector::zeros(n), with_before: None }];
+        vec![Said { information: Triangle::zeros(n), vector: DVector::zeros(n), with_before: None }];
     for step in steps.take(own.len() - 1) {
         let (own, come) = (&own[step], passed.last()?);
-        let factor = (&own.information - &come.information).cholesky()?;
-        let lower = factor.l_dirty();
-        let gain = lower.solve_lower_triangular(&link(step))?;
-        let vector = lower.solve_lower_triangular(&(&own.vector + &come.vector))?;
+        let mut information = own.information.clone();
+        information -= &come.information;
+        let lower = Triangle::of(information.matrix().cholesky()?.l_dirty());
+        let gain = lower.solve(&link(step)?);
+        let vector = lower.solve_column(&(&own.vector + &come.vector));
         let turned = gain.transpose();
-        passed.push(Said { information: &turned * gain, vector: turned * vector, with_before: None });
+        let information = Triangle::of(&(&turned * gain));
+        passed.push(Said { information, vector: turned * vector, with_before: None });
     }
     Some(passed)
 }
@@ -162,10 +173,12 @@ mod tests {
             fresh: DVector::from_vec(vec![0.0, 0.0, 2.0]),
             mean: DVector::from_vec(vec![0.0, 0.0, 0.5]),
             first: DVector::from_vec(vec![1.0, 0.5, 0.7]),
-            carried: vec![carried(), carried(), carried()],
+            n_carried: 2,
         };
+        let information =
+            |k: f64| DMatrix::from_row_slice(3, 3, &[2.0 + k, 0.7, 0.1, 0.7, 1.0, 0.2, 0.1, 0.2, 0.6]);
         let said = |k: f64| Said {
-            information: DMatrix::from_row_slice(3, 3, &[2.0 + k, 0.7, 0.1, 0.7, 1.0, 0.2, 0.1, 0.2, 0.6]),
+            information: Triangle::of(&information(k)),
             vector: DVector::from_vec(vec![1.0, -k, 0.3]),
             with_before: (k > 0.0)
                 .then(|| DMatrix::from_row_slice(3, 3, &[0.3, 0.1, 0.0, 0.2, 0.1, 0.1, 0.0, 0.0, 0.2])),
@@ -187,7 +200,7 @@ mod tests {
             rows += part;
         };
         for (k, said) in said.iter().enumerate() {
-            add((k, k), &said.information);
+            add((k, k), &information(k as f64));
             pull(k, &said.vector);
             if k == 0 {
                 add((0, 0), &DMatrix::from_diagonal(&wander.first));
@@ -207,10 +220,13 @@ mod tests {
         }
         let covariance: DMatrix<f64> = dense.try_inverse().unwrap_or_else(|| DMatrix::zeros(9, 9));
         let expected: DVector<f64> = &covariance * right;
-        let Some(found) = most_likely(&wander, &said, true) else { panic!("expected an answer") };
-        for k in 0..3 {
-            let off = &found.states[k] - expected.rows(3 * k, 3);
-            let off_spread = &found.covariances[k] - covariance.view((3 * k, 3 * k), (3, 3));
+        let Some(found) = most_likely(&wander, |_| carried(), said.into(), true) else {
+            panic!("expected an answer")
+        };
+        for (k, found) in found.iter().enumerate() {
+            let off = &found.state - expected.rows(3 * k, 3);
+            let Some(spread) = &found.covariance else { panic!("expected a covariance") };
+            let off_spread = spread - covariance.view((3 * k, 3 * k), (3, 3));
             assert!(off.amax() < 1e-12 && off_spread.amax() < 1e-12, "{off} {off_spread}");
         }
     }

@@ -4,12 +4,14 @@ use super::PhysicalOptions;
 use super::evidence::Station;
 use super::lock::SeenLock;
 use super::moments::{Balance, DragSlope};
-use super::prior::{FanWind, LOG_LAYER, SWIRL_SHARE, WAKE, fan_wind, known_outside, swirl_mps, wander};
-use super::smoother::{Said, Wander, most_likely};
+use super::prior::{
+    FanWind, LOG_LAYER, SWIRL_SHARE, WAKE, carried, fan_wind, known_outside, swirl_mps, wander,
+};
+use super::smoother::{Said, most_likely};
 use super::statements::{StepSaid, ask};
 use super::taught::{DefectAt, Defects, Scales, Taught};
 use super::tracks::Clock;
-use nalgebra::{DMatrix, DVector, Matrix3};
+use nalgebra::{DVector, Matrix3};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use tousle_core::{HeadCapture, Pose, Progress, Session, Vec3};
@@ -75,7 +77,7 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
         Some(air) => (air.clone(), ROUNDS_FROM_KNOWN),
         None => (first_guess(problem, &fan_wind), ROUNDS),
     };
-    let surroundings = Surroundings::new(problem, &air.stream);
+    let surroundings = Surroundings::new(problem).with_stations(problem, &air.stream);
     let outside = known_outside(problem, &fan_wind);
     let mut said = Vec::new();
     for round in 0..rounds {
@@ -87,14 +89,14 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
             said.of_air.add_outside(precision, fans.velocity);
         }
         let learns = round + 2 >= rounds;
-        let wander = wander(problem, &fan_wind, &air);
-        step_states(&mut air.states, &wander, &mut said, learns);
+        step_states(problem, &fan_wind, &mut air, &mut said, learns);
         if !is_last {
             if learns {
                 air.swirl_share = learnt_share(&air);
             }
             for state in &mut air.states {
                 state.rescale(swirl_mps(state.outside(), air.swirl_share));
+                state.covariance = None;
             }
         }
         progress.at(round as u64 + 1, rounds as u64);
@@ -112,18 +114,24 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
 
 /// What the balance leaves over of locks that move in a known air, by lock.
 pub(crate) fn defects(problem: &Problem<'_>, air: &AirFlow) -> Vec<Defects> {
-    let around = Surroundings::new(problem, &air.stream);
+    let around = Surroundings::new(problem);
     let n_steps = problem.clock.n_steps.min(air.states.len());
-    let of_lock = |lock: usize| {
-        let at = |step: usize| {
-            let balance = around.balance(problem, lock, step);
-            let left = around.stations[step][lock].left_over(&balance, air, &air.now(step));
+    let of_step = |step: usize| -> Vec<DefectAt> {
+        let (stations, now) = (around.stations_at(problem, &air.stream, step), air.now(step));
+        let of_lock = |(lock, station): (usize, &Station)| {
+            let left = station.left_over(&around.balance(problem, lock, step), air, &now);
             let seen = &problem.locks[lock];
             DefectAt::new(seen, step, &left.unwrap_or_else(|| DVector::zeros(2 * seen.lock.n_sticks())))
         };
-        Defects::new((0..n_steps).map(at).collect())
+        stations.iter().enumerate().map(of_lock).collect()
     };
-    (0..problem.locks.len()).into_par_iter().map(of_lock).collect()
+    let steps: Vec<_> = (0..n_steps).into_par_iter().map(of_step).collect();
+    let mut of_locks: Vec<Vec<DefectAt>> =
+        problem.locks.iter().map(|_| Vec::with_capacity(n_steps)).collect();
+    for step in steps {
+        of_locks.iter_mut().zip(step).for_each(|(of_lock, at)| of_lock.push(at));
+    }
+    of_locks.into_iter().map(Defects::new).collect()
 }
 
 /// All that stays the same from round to round.
@@ -131,13 +139,14 @@ pub(crate) struct Surroundings {
     law: DragLaw,
     /// By lock; `None` without a still interval.
     rests: Vec<Option<Rest>>,
-    /// By step and lock.
+    /// By step and lock, if all are to be asked more than once.
     pub(crate) stations: Vec<Vec<Station>>,
 }
 
 impl Surroundings {
-    fn new(problem: &Problem<'_>, stream: &Stream) -> Self {
-        let Problem { locks, clock, session, rest_pose, .. } = problem;
+    /// Without stations.
+    fn new(problem: &Problem<'_>) -> Self {
+        let Problem { locks, session, rest_pose, .. } = problem;
         let gravity = rest_pose.rotation.inverse() * problem.gravity_world;
         let rods: Vec<_> = locks.iter().map(|seen| seen.lock.clone()).collect();
         let by_rest = Touch::by_rest(&rods, &session.body);
@@ -146,19 +155,27 @@ impl Surroundings {
             let likely = Likely { touch, ..Likely::hair(&seen.lock, &session.body) };
             problem.still.map(|_| rest_state(&seen.lock, gravity, &session.body, &likely))
         };
-        let mut around = Self {
+        Self {
             law: DragLaw::in_air(session.air_density),
             rests: locks.iter().map(rest).collect(),
             stations: Vec::new(),
-        };
-        let of_step = |step: usize| {
-            let torso = session.body.head_from_torso(clock.pose(step), rest_pose);
-            let surfaces = Surface::of_body(&session.body, &torso);
-            let station = |lock: usize| Station::new(&around.balance(problem, lock, step), &surfaces, stream);
-            (0..locks.len()).map(station).collect()
-        };
-        around.stations = (0..clock.n_steps).into_par_iter().map(of_step).collect();
-        around
+        }
+    }
+
+    /// The same with the stations of all steps.
+    fn with_stations(self, problem: &Problem<'_>, stream: &Stream) -> Self {
+        let of_step = |step: usize| self.stations_at(problem, stream, step);
+        let stations = (0..problem.clock.n_steps).into_par_iter().map(of_step).collect();
+        Self { stations, ..self }
+    }
+
+    /// The stations of all locks at a step.
+    fn stations_at(&self, problem: &Problem<'_>, stream: &Stream, step: usize) -> Vec<Station> {
+        let Problem { locks, clock, session, rest_pose, .. } = problem;
+        let torso = session.body.head_from_torso(clock.pose(step), rest_pose);
+        let surfaces = Surface::of_body(&session.body, &torso);
+        let station = |lock: usize| Station::new(&self.balance(problem, lock, step), &surfaces, stream);
+        (0..locks.len()).map(station).collect()
     }
 
     pub(crate) fn balance<'a>(&'a self, problem: &'a Problem<'_>, lock: usize, step: usize) -> Balance<'a> {
@@ -179,23 +196,30 @@ impl Said {
     /// Adds what is known of the wind far away: a value and its precision.
     fn add_outside(&mut self, precision: &Matrix3<f64>, value: Vec3) {
         let at = self.vector.len() - N_STREAM;
-        let mut block = self.information.fixed_view_mut::<3, 3>(at, at);
-        block += precision;
+        for (r, c) in [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)] {
+            self.information.add(at + r, at + c, precision[(r, c)]);
+        }
         let mut rows = self.vector.fixed_rows_mut::<3>(at);
         rows += precision * value;
     }
 }
 
 /// Moves the states to the most likely ones, with their covariances if asked for.
-fn step_states(states: &mut [AirState], wander: &Wander, said: &mut [StepSaid], with_covariance: bool) {
+fn step_states(
+    problem: &Problem<'_>,
+    fan_wind: &[FanWind],
+    air: &mut AirFlow,
+    said: &mut [StepSaid],
+    with_covariance: bool,
+) {
     let of_air: Vec<Said> = said.iter_mut().map(|s| core::mem::take(&mut s.of_air)).collect();
-    let Some(likely) = most_likely(wander, &of_air, with_covariance) else { return };
-    for (state, values) in states.iter_mut().zip(likely.states) {
-        state.values = values;
+    let wander = wander(problem, fan_wind, air.modes.n_modes());
+    let carried = |step: usize| carried(problem, air, step);
+    let Some(likely) = most_likely(&wander, carried, of_air, with_covariance) else { return };
+    for (state, likely) in air.states.iter_mut().zip(likely) {
+        state.values = likely.state;
+        state.covariance = likely.covariance;
         state.tame();
-    }
-    for (state, covariance) in states.iter_mut().zip(likely.covariances) {
-        state.covariance = covariance;
     }
 }
 
@@ -207,7 +231,8 @@ fn learnt_share(air: &AirFlow) -> f64 {
     for state in &air.states {
         for i in 0..state.n_modes() {
             square += state.values[i] * state.values[i];
-            told += f64::max(1.0 - state.covariance[(i, i)], 0.0);
+            let variance = state.covariance.as_ref().map_or(0.0, |covariance| covariance[(i, i)]);
+            told += f64::max(1.0 - variance, 0.0);
         }
     }
     let times = if told > 1.0 { (square / told).sqrt() } else { 1.0 };
@@ -228,7 +253,7 @@ fn first_guess(problem: &Problem<'_>, fan_wind: &[FanWind]) -> AirFlow {
         values.rows_mut(n_modes, N_STREAM).copy_from_slice(&[fan.x, fan.y, fan.z, WAKE[0], LOG_LAYER[0]]);
         AirState {
             values,
-            covariance: DMatrix::zeros(n, n),
+            covariance: None,
             swirl_mps: swirl_mps(fan, SWIRL_SHARE),
             fans: fans.directions.clone(),
         }

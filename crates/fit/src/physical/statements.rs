@@ -5,6 +5,7 @@ use super::moments::DragSlope;
 use super::noise::counted_as_one;
 use super::smoother::Said;
 use super::solve::{Problem, Surroundings};
+use super::triangle::Triangle;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use tousle_flow::AirFlow;
@@ -166,7 +167,8 @@ impl Statements {
             add(after);
         }
         let turned = scaled(&self.by_state, &weights).transpose();
-        Said { information: turned * &self.by_state, vector: self.by_state.tr_mul(&pull), with_before }
+        let information = Triangle::of(&(turned * &self.by_state));
+        Said { information, vector: self.by_state.tr_mul(&pull), with_before }
     }
 }
 

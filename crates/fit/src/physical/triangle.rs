@@ -1,0 +1,140 @@
+//! The lower half of a square matrix.
+
+use core::ops::{AddAssign, SubAssign};
+use nalgebra::{DMatrix, DVector};
+
+/// A lower triangle, row after row up to the diagonal: of a symmetric matrix all that is to be kept, of a factor all there is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Triangle {
+    n: usize,
+    rows: Vec<f64>,
+}
+
+/// Columns that are solved for at once.
+const TOGETHER: usize = 8;
+
+impl Triangle {
+    pub(crate) fn zeros(n: usize) -> Self {
+        Self { n, rows: vec![0.0; n * (n + 1) / 2] }
+    }
+
+    /// That of a square matrix; what is above is not read.
+    pub(crate) fn of(matrix: &DMatrix<f64>) -> Self {
+        let n = matrix.nrows();
+        let rows = (0..n).flat_map(|r| (0..=r).map(move |c| matrix[(r, c)])).collect();
+        Self { n, rows }
+    }
+
+    /// The matrix, with zeros above.
+    pub(crate) fn matrix(&self) -> DMatrix<f64> {
+        let mut matrix = DMatrix::zeros(self.n, self.n);
+        for r in 0..self.n {
+            for (c, value) in self.row(r).iter().enumerate() {
+                matrix[(r, c)] = *value;
+            }
+        }
+        matrix
+    }
+
+    /// Adds to a number; none is above the diagonal.
+    pub(crate) fn add(&mut self, row: usize, column: usize, value: f64) {
+        self.rows[row * (row + 1) / 2..][..=row][column] += value;
+    }
+
+    /// A factor's inverse times some columns.
+    pub(crate) fn solve(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut solved = columns.clone();
+        let some = solved.as_mut_slice().chunks_mut(TOGETHER * self.n.max(1));
+        some.for_each(|some| self.solve_beside::<TOGETHER>(some));
+        solved
+    }
+
+    /// A factor's inverse times a column.
+    pub(crate) fn solve_column(&self, column: &DVector<f64>) -> DVector<f64> {
+        let mut solved = column.clone();
+        self.solve_beside::<1>(solved.as_mut_slice());
+        solved
+    }
+
+    /// Solves for at most `N` columns, which follow one another. Beside one another each number of the factor is read once for
+    /// all of them; each column's own sums go from the first number to the last, however many are beside it.
+    fn solve_beside<const N: usize>(&self, columns: &mut [f64]) {
+        let mut beside = vec![[0.0; N]; self.n];
+        for (k, column) in columns.chunks_exact(self.n).enumerate() {
+            beside.iter_mut().zip(column).for_each(|(row, value)| row[k] = *value);
+        }
+        for r in 0..self.n {
+            let (solved, rest) = beside.split_at_mut(r);
+            let (row, left) = (self.row(r), &mut rest[0]);
+            for (factor, solved) in row.iter().zip(solved) {
+                left.iter_mut().zip(solved).for_each(|(left, solved)| *left -= factor * *solved);
+            }
+            left.iter_mut().for_each(|left| *left /= row[r]);
+        }
+        for (k, column) in columns.chunks_exact_mut(self.n).enumerate() {
+            beside.iter().zip(column).for_each(|(row, value)| *value = row[k]);
+        }
+    }
+
+    /// A factor times a column.
+    pub(crate) fn times(&self, column: &DVector<f64>) -> DVector<f64> {
+        let product = |r: usize| self.row(r).iter().zip(column).fold(0.0, |sum, (f, v)| sum + f * v);
+        DVector::from_fn(self.n, |r, _| product(r))
+    }
+
+    fn row(&self, r: usize) -> &[f64] {
+        &self.rows[r * (r + 1) / 2..][..=r]
+    }
+}
+
+/// One of fewer rows is added to the first ones.
+impl AddAssign<&Self> for Triangle {
+    fn add_assign(&mut self, other: &Self) {
+        self.rows.iter_mut().zip(&other.rows).for_each(|(value, more)| *value += more);
+    }
+}
+
+impl SubAssign<&Self> for Triangle {
+    fn sub_assign(&mut self, other: &Self) {
+        self.rows.iter_mut().zip(&other.rows).for_each(|(value, less)| *value -= less);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> DMatrix<f64> {
+        DMatrix::from_fn(5, 5, |r, c| if r == c { 3.0 } else { 0.1 * (r + 2 * c) as f64 })
+    }
+
+    /// The lower half comes back, with what was added to it.
+    #[test]
+    fn it_is_the_lower_half() {
+        let mut triangle = Triangle::of(&square());
+        assert_eq!(triangle.matrix(), square().lower_triangle());
+        triangle += &Triangle::of(&DMatrix::from_element(2, 2, 1.0));
+        triangle.add(4, 3, 1.0);
+        let mut expected = square().lower_triangle();
+        for (r, c) in [(0, 0), (1, 0), (1, 1), (4, 3)] {
+            expected[(r, c)] += 1.0;
+        }
+        assert_eq!(triangle.matrix(), expected);
+        triangle -= &Triangle::of(&expected);
+        assert_eq!(triangle, Triangle::zeros(5));
+    }
+
+    /// However many columns are solved for at once, the answers are the ones of the whole matrix, to the last digit.
+    #[test]
+    fn it_solves_as_the_whole_matrix_does() {
+        let triangle = Triangle::of(&square());
+        let columns = DMatrix::from_fn(5, 19, |r, c| (7 * r + 3 * c) as f64 / 11.0 - 1.0);
+        let expected = square().solve_lower_triangular(&columns).unwrap();
+        assert_eq!(triangle.solve(&columns), expected);
+        for (column, expected) in columns.column_iter().zip(expected.column_iter()) {
+            let solved = triangle.solve_column(&column.into_owned());
+            assert_eq!(solved, expected);
+            assert!((triangle.times(&solved) - column).amax() < 1e-12);
+        }
+    }
+}
