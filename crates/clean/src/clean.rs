@@ -5,7 +5,7 @@ use crate::pieces::{Piece, Verdict, judge, pieces, volume_m3};
 use crate::report::{
     CleanReport, GapFilled, GhostRefused, MarkerTimeline, PieceGivenBack, SpikeCut, SwapMended, Unfilled,
 };
-use crate::shape::ShapeModel;
+use crate::shape::{ShapeModel, neighbors};
 use crate::spikes::cut_spikes;
 use crate::swaps::{Swap, mend_swaps};
 use rayon::prelude::*;
@@ -344,7 +344,7 @@ impl Work {
 
     fn shape_residual_m(&self, marker: usize) -> Option<f64> {
         let others: Vec<usize> = self.locks.lock_of(marker).filter(|n| *n != marker).collect();
-        let model = ShapeModel::new(&self.locks, &self.tracks, marker, &others, 1)?;
+        let model = ShapeModel::new(&self.locks, &self.tracks, marker, neighbors(marker, &others, 1))?;
         let coefficients = model.without(&(0..0))?;
         let miss =
             |f: usize| Some((model.predict(&coefficients, f)? - self.tracks[marker].at(f)?).norm_squared());

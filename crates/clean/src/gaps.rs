@@ -3,7 +3,7 @@
 use crate::interpolate::{End, carry};
 use crate::lock::Locks;
 use crate::report::FillMethod;
-use crate::shape::{Coefficients, ShapeModel};
+use crate::shape::{Coefficients, ShapeModel, neighbors};
 use std::ops::Range;
 use tousle_core::{Track, Vec3, runs};
 
@@ -57,32 +57,32 @@ pub(crate) fn fill_gap(scene: Scene<'_>, target: usize, gap: Range<usize>) -> Ve
 }
 
 fn fill_run(scene: Scene<'_>, target: usize, run: Range<usize>, seen: &[usize]) -> Option<Fill> {
-    let near = ShapeModel::new(scene.locks, scene.tracks, target, seen, 1);
-    let wide = ShapeModel::new(scene.locks, scene.tracks, target, seen, 2);
-    let fillers = [
-        // Of methods that nowhere can be tried, the first one is taken: it never runs away.
-        (FillMethod::Lock, wide.as_ref(), false),
-        (FillMethod::LockCubic, wide.as_ref(), true),
-        (FillMethod::NeighborsCubic, near.as_ref(), true),
-        (FillMethod::Neighbors, near.as_ref(), false),
-        (FillMethod::Cubic, None, true),
-        (FillMethod::Line, None, false),
+    let [nearest, more] = [1, 2].map(|per_side| neighbors(target, seen, per_side));
+    // Where there are no more neighbors than the nearest, both models are the same.
+    let near =
+        (nearest != more).then(|| ShapeModel::new(scene.locks, scene.tracks, target, nearest)).flatten();
+    let wide = ShapeModel::new(scene.locks, scene.tracks, target, more);
+    // Of methods that nowhere can be tried, the first one is taken: it never runs away.
+    let by_model = [
+        (wide.as_ref().map(Some), [(FillMethod::Lock, LINE), (FillMethod::LockCubic, CUBIC)]),
+        (near.as_ref().map(Some), [(FillMethod::NeighborsCubic, CUBIC), (FillMethod::Neighbors, LINE)]),
+        (Some(None), [(FillMethod::Cubic, CUBIC), (FillMethod::Line, LINE)]),
     ];
-    let mut best: Option<(Trials, Filler<'_>)> = None;
-    for (method, model, cubic) in fillers {
-        if model.is_none() && !matches!(method, FillMethod::Cubic | FillMethod::Line) {
-            continue;
-        }
-        let Some(filler) = Filler::new(scene, target, run.clone(), method, model, cubic) else { continue };
+    let mut best: Option<(Trials, Filler<'_>, FillMethod, usize)> = None;
+    for (model, methods) in by_model {
+        let filler = model.and_then(|model| Filler::new(scene, target, run.clone(), model));
+        let Some(filler) = filler else { continue };
         let trials = filler.trials();
-        if best.as_ref().is_none_or(|(least, _)| trials.better_than(least)) {
-            best = Some((trials, filler));
+        for (method, shape) in methods {
+            if best.as_ref().is_none_or(|(least, ..)| trials[shape].better_than(least)) {
+                best = Some((trials[shape].clone(), filler.clone(), method, shape));
+            }
         }
     }
-    let (trials, filler) = best?;
+    let (trials, filler, method, shape) = best?;
     let coefficients = filler.learn(0..0);
-    let mut positions: Vec<Vec3> =
-        run.clone().map(|f| filler.at(coefficients.as_ref(), f, 0)).collect::<Option<_>>()?;
+    let fill = filler.moved(coefficients.as_ref(), 0)?;
+    let mut positions: Vec<Vec3> = run.clone().map(|f| Some(fill.at(f)?[shape])).collect::<Option<_>>()?;
     let shortened_frames = hold_to_length(scene, target, &run, seen, &mut positions);
     // The lock was where it never was in the trials: they tell too little, by as much as the regression says.
     let novelty = filler.novelty(coefficients.as_ref(), run.clone());
@@ -92,7 +92,7 @@ fn fill_run(scene: Scene<'_>, target: usize, run: Range<usize>, seen: &[usize]) 
         positions,
         expected_error_m: trials.rms().map_or(f64::NAN, |rms| rms * strange),
         errors_m: trials.per_frame().map(|errors| errors.into_iter().map(|e| e * strange).collect()),
-        method: filler.method,
+        method,
         trials: trials.n,
         shortened_frames,
     })
@@ -128,14 +128,17 @@ fn hold_to_length(
     n_shortened
 }
 
-/// One way to fill one run of frames, which can be tried at other times.
+/// What is carried over a run goes on a line or as a cubic: where of two answers either is.
+const LINE: usize = 0;
+const CUBIC: usize = 1;
+
+/// What fills one run of frames, on a line and as a cubic, and can be tried at other times.
+#[derive(Clone)]
 struct Filler<'a> {
     scene: Scene<'a>,
     target: usize,
     run: Range<usize>,
-    method: FillMethod,
     model: Option<&'a ShapeModel<'a>>,
-    cubic: bool,
     left: Option<usize>,
     right: Option<usize>,
 }
@@ -146,16 +149,14 @@ impl<'a> Filler<'a> {
         scene: Scene<'a>,
         target: usize,
         run: Range<usize>,
-        method: FillMethod,
         model: Option<&'a ShapeModel<'a>>,
-        cubic: bool,
     ) -> Option<Self> {
         let track = &scene.tracks[target];
         let anchor = |f: &usize| track.at(*f).is_some() && model.is_none_or(|m| m.applies(*f));
         let left = (0..run.start).rev().find(anchor);
         let right = (run.end..track.n_frames()).find(anchor);
         left.or(right)?;
-        Some(Self { scene, target, run, method, model, cubic, left, right })
+        Some(Self { scene, target, run, model, left, right })
     }
 
     /// What the neighbors tell, learned without the frames in `hidden`.
@@ -163,48 +164,32 @@ impl<'a> Filler<'a> {
         self.model?.without(&hidden)
     }
 
-    /// The fill in a frame of the run, all of it moved in time by `shift`; `None` where something is missing.
-    fn at(&self, coefficients: Option<&Coefficients>, frame: usize, shift: isize) -> Option<Vec3> {
-        let moved = |f: usize| f.checked_add_signed(shift);
-        let told = |f: usize| match self.model {
-            Some(model) => model.predict(coefficients?, f),
-            None => Some(Vec3::zeros()),
+    /// The fill, all of it moved in time by `shift`; `None` where an end is missing.
+    fn moved<'b>(&'b self, coefficients: Option<&'b Coefficients>, shift: isize) -> Option<Moved<'b>> {
+        let fill = Moved { filler: self, coefficients, shift, left: None, right: None };
+        let end = |anchor: Option<usize>, before| match anchor {
+            Some(anchor) => fill.end(anchor, before).map(Some),
+            None => Some(None),
         };
-        let miss = |f: usize| Some(self.scene.tracks[self.target].at(f)? - told(f)?);
-        let end = |anchor: usize, before: bool| {
-            let f = moved(anchor)?;
-            let value = miss(f)?;
-            // Two frames away: half the noise of one frame, and still of the moment.
-            let away = if before { f.checked_sub(2) } else { f.checked_add(2) };
-            let slope = away.and_then(&miss).map_or(Vec3::zeros(), |other| {
-                if before { (value - other) / 2.0 } else { (other - value) / 2.0 }
-            });
-            Some(End { frame: f, value, slope })
-        };
-        let left = match self.left {
-            Some(anchor) => Some(end(anchor, true)?),
-            None => None,
-        };
-        let right = match self.right {
-            Some(anchor) => Some(end(anchor, false)?),
-            None => None,
-        };
-        let f = moved(frame)?;
-        Some(told(f)? + carry(left, right, f, self.cubic)?)
+        let (left, right) = (end(self.left, true)?, end(self.right, false)?);
+        Some(Moved { left, right, ..fill })
+    }
+
+    /// Whether a frame can be compared when the fill is tried there: the marker and what the model needs are seen.
+    fn can_be_tried(&self, frame: usize) -> bool {
+        self.scene.tracks[self.target].at(frame).is_some() && self.model.is_none_or(|m| m.applies(frame))
     }
 
     /// Mean novelty of the lock's shape in some frames; 0 for methods that do not look at it.
     fn novelty(&self, coefficients: Option<&Coefficients>, frames: Range<usize>) -> f64 {
-        let of = |f: usize| self.model?.novelty(coefficients?, f);
-        let each: Vec<f64> = frames.filter_map(of).collect();
-        each.iter().sum::<f64>() / each.len().max(1) as f64
+        self.model.zip(coefficients).map_or(0.0, |(model, coefficients)| model.novelty(coefficients, frames))
     }
 
     /// The same fill at other times, where the marker was seen, compared with what was seen.
     ///
     /// Runs in the still interval are tried there, others elsewhere, and everywhere if that is too little to
-    /// tell; what is to be filled is learned without.
-    fn trials(&self) -> Trials {
+    /// tell; what is to be filled is learned without. Whatever goes as a line is tried as a cubic in the same places.
+    fn trials(&self) -> [Trials; 2] {
         let n_frames = self.scene.tracks[self.target].n_frames();
         let first = self.left.unwrap_or(self.run.start);
         let last = self.right.unwrap_or(self.run.end - 1);
@@ -221,10 +206,10 @@ impl<'a> Filler<'a> {
                 self.is_still(&(moved(self.run.start, *s)..moved(self.run.end, *s)))
                     == self.is_still(&self.run)
             });
-        let mut trials = Trials::new(self.run.len());
+        let mut trials = [LINE, CUBIC].map(|_| Trials::new(self.run.len()));
         for (shifts, enough) in [(like, MOST_TRIALS), (unlike, LEAST_TRIALS)] {
             for shift in shifts {
-                if trials.n < enough {
+                if trials[LINE].n < enough {
                     self.try_at(shift, moved(self.run.start, shift)..moved(self.run.end, shift), &mut trials);
                 }
             }
@@ -236,22 +221,72 @@ impl<'a> Filler<'a> {
         self.scene.still.is_some_and(|(first, last)| first <= run.start && run.end <= last + 1)
     }
 
-    fn try_at(&self, shift: isize, moved_run: Range<usize>, trials: &mut Trials) {
-        let coefficients = self.learn(moved_run.clone());
-        let miss = |(f, moved): (usize, usize)| {
-            let seen = self.scene.tracks[self.target].at(moved)?;
-            Some((self.at(coefficients.as_ref(), f, shift)? - seen).norm_squared())
+    fn try_at(&self, shift: isize, moved_run: Range<usize>, trials: &mut [Trials; 2]) {
+        // A trial of which most is hidden is none; nor is one without an end.
+        let n_seen = moved_run.clone().filter(|f| self.can_be_tried(*f)).count();
+        let ends = [self.left, self.right].into_iter().flatten();
+        let has_ends = || {
+            let mut moved = ends.map(|anchor| anchor.checked_add_signed(shift));
+            moved.all(|f| f.is_some_and(|f| self.can_be_tried(f)))
         };
-        let squares: Vec<Option<f64>> = self.run.clone().zip(moved_run.clone()).map(miss).collect();
-        // A trial of which most is hidden is none.
-        if 2 * squares.iter().flatten().count() > squares.len() {
-            trials.add(&squares, self.novelty(coefficients.as_ref(), moved_run));
+        if 2 * n_seen <= moved_run.len() || !has_ends() {
+            return;
+        }
+        let coefficients = self.learn(moved_run.clone());
+        let Some(fill) = self.moved(coefficients.as_ref(), shift) else { return };
+        let novelty = self.novelty(coefficients.as_ref(), moved_run.clone());
+        trials.iter_mut().for_each(|trials| trials.begin(novelty));
+        for (k, (frame, moved)) in self.run.clone().zip(moved_run).enumerate() {
+            let seen = self.scene.tracks[self.target].at(moved);
+            let Some((seen, told)) = seen.and_then(|seen| Some((seen, fill.at(frame)?))) else { continue };
+            for (trials, told) in trials.iter_mut().zip(told) {
+                trials.add(k, (told - seen).norm_squared());
+            }
         }
     }
 }
 
+/// A fill at another time.
+struct Moved<'a> {
+    filler: &'a Filler<'a>,
+    coefficients: Option<&'a Coefficients>,
+    shift: isize,
+    left: Option<End>,
+    right: Option<End>,
+}
+
+impl Moved<'_> {
+    /// The fill in a frame of the run, on a line and as a cubic; `None` where something is missing.
+    fn at(&self, frame: usize) -> Option<[Vec3; 2]> {
+        let f = frame.checked_add_signed(self.shift)?;
+        let told = self.told(f)?;
+        Some([told + carry(self.left, self.right, f, false)?, told + carry(self.left, self.right, f, true)?])
+    }
+
+    /// What the neighbors tell.
+    fn told(&self, f: usize) -> Option<Vec3> {
+        match self.filler.model {
+            Some(model) => model.predict(self.coefficients?, f),
+            None => Some(Vec3::zeros()),
+        }
+    }
+
+    /// By how much they miss where the marker is seen, at an end of the run.
+    fn end(&self, anchor: usize, before: bool) -> Option<End> {
+        let miss = |f: usize| Some(self.filler.scene.tracks[self.filler.target].at(f)? - self.told(f)?);
+        let f = anchor.checked_add_signed(self.shift)?;
+        let value = miss(f)?;
+        // Two frames away: half the noise of one frame, and still of the moment.
+        let away = if before { f.checked_sub(2) } else { f.checked_add(2) };
+        let slope = away.and_then(miss).map_or(Vec3::zeros(), |other| {
+            if before { (value - other) / 2.0 } else { (other - value) / 2.0 }
+        });
+        Some(End { frame: f, value, slope })
+    }
+}
+
 /// Squared errors of trials, frame by frame.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Trials {
     n: usize,
     sums: Vec<f64>,
@@ -264,13 +299,16 @@ impl Trials {
         Self { n: 0, sums: vec![0.0; n_frames], counts: vec![0.0; n_frames], novelties: 0.0 }
     }
 
-    fn add(&mut self, squares: &[Option<f64>], novelty: f64) {
+    /// Begins another one.
+    fn begin(&mut self, novelty: f64) {
         self.n += 1;
         self.novelties += novelty;
-        for (k, square) in squares.iter().enumerate() {
-            self.sums[k] += square.unwrap_or(0.0);
-            self.counts[k] += f64::from(u8::from(square.is_some()));
-        }
+    }
+
+    /// Adds what it is off by in frame `k` of the run.
+    fn add(&mut self, k: usize, square: f64) {
+        self.sums[k] += square;
+        self.counts[k] += 1.0;
     }
 
     /// Mean novelty of the lock's shape over the trials.

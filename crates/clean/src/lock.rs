@@ -101,8 +101,11 @@ impl Locks {
                 .collect(),
             None => tracks[marker].iter().flatten().map(|p| (p - self.root_m(marker)).norm()).collect(),
         };
-        seen.sort_by(f64::total_cmp);
         let hair = other.map_or(self.markers[marker].arc_m, |other| self.between_m(marker, other));
-        seen.get(seen.len().saturating_sub(1) * 99 / 100).map_or(hair, |far| far.max(hair))
+        if seen.is_empty() {
+            return hair;
+        }
+        let rare = (seen.len() - 1) * 99 / 100;
+        seen.select_nth_unstable_by(rare, f64::total_cmp).1.max(hair)
     }
 }

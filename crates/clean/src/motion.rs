@@ -69,6 +69,13 @@ impl<'a> Continuity<'a> {
     }
 }
 
+/// The least that [`Continuity::cost`] of two ends can be, whatever the scale: that at √3 times smaller a scale than they are apart.
+/// `None` if either is not seen.
+pub(crate) fn least_cost(before: &Track, after: &Track, ends: (usize, usize)) -> Option<f64> {
+    let scale = mismatch(before, after, ends)?.norm() / 3f64.sqrt();
+    Some((TAIL + 3.0) / 2.0 * libm::log1p(3.0 / TAIL) + 3.0 * libm::log(scale))
+}
+
 /// Both ends carried on to the middle of what lies between, at the velocity each has: the distance there, m.
 fn mismatch(before: &Track, after: &Track, (start, end): (usize, usize)) -> Option<Vec3> {
     let half = (end.checked_sub(start)?) as f64 / 2.0;
@@ -119,6 +126,17 @@ mod tests {
     fn uniform_motion_meets_itself_across_a_gap() {
         let miss = mismatch(&line(), &line(), (10, 17)).unwrap();
         assert!(miss.norm() < 1e-15);
+    }
+
+    #[test]
+    fn no_scale_makes_it_cheaper() {
+        let mut jumped = line();
+        (20..40).for_each(|f| jumped.set(f, line().at(f).map(|p| p + Vec3::new(0.0, 0.01, 0.0))));
+        let least = least_cost(&line(), &jumped, (19, 20)).unwrap();
+        let cost =
+            |noise_m: f64| Continuity::new(&[line()], noise_m).cost(0, &line(), &jumped, (19, 20)).unwrap();
+        assert!((cost(0.01 / 3f64.sqrt()) - least).abs() < 1e-9);
+        assert!([1e-5, 1e-3, 5e-3, 6e-3, 0.1].into_iter().all(|noise_m| cost(noise_m) > least));
     }
 
     #[test]

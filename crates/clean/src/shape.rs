@@ -16,7 +16,10 @@ pub(crate) struct ShapeModel<'a> {
     tracks: &'a [Track],
     target: usize,
     neighbors: Vec<usize>,
-    /// What the model goes by in each frame; `None` where a neighbor is not seen.
+    /// Column by column, where the neighbors are in each frame, less where they are on average, m; then 1. Nothing where one
+    /// is not seen.
+    features: DMatrix<f64>,
+    /// By frame, what the session says of the target; `None` where a neighbor is not seen.
     frames: Vec<Option<Around>>,
     gram: DMatrix<f64>,
     cross: DMatrix<f64>,
@@ -24,22 +27,13 @@ pub(crate) struct ShapeModel<'a> {
     n_rows: usize,
 }
 
-/// What a [`ShapeModel`] sees of its target's neighbors in a frame.
-#[derive(Debug)]
+/// What a [`ShapeModel`] sees of its target in a frame.
+#[derive(Clone, Copy, Debug)]
 struct Around {
-    /// Where they are, less where they are on average, m; then 1.
-    features: DVector<f64>,
     /// The point that the session's distances say, m.
     base_m: Vec3,
     /// How far the target is from there, m, if it is seen.
     offset_m: Option<Vec3>,
-}
-
-impl Around {
-    /// The features and the offset of a frame to learn from.
-    fn row(&self) -> Option<(&DVector<f64>, Vec3)> {
-        Some((&self.features, self.offset_m?))
-    }
 }
 
 /// The learned offset.
@@ -49,20 +43,23 @@ pub(crate) struct Coefficients {
     gram: Cholesky<f64, Dyn>,
 }
 
+/// At most `per_side` of the seen markers of a lock on either side of one of it, root to tip.
+pub(crate) fn neighbors(target: usize, seen: &[usize], per_side: usize) -> Vec<usize> {
+    let below = seen.iter().rev().copied().filter(|n| *n < target).take(per_side);
+    let above = seen.iter().copied().filter(|n| *n > target).take(per_side);
+    let mut neighbors: Vec<usize> = below.chain(above).collect();
+    neighbors.sort_unstable();
+    neighbors
+}
+
 impl<'a> ShapeModel<'a> {
-    /// The model of `target` from at most `per_side` seen neighbors on either side; `None` without any, or if
-    /// they are seen together too rarely.
+    /// The model of `target` from some [`neighbors`]; `None` without any, or if they are seen together too rarely.
     pub(crate) fn new(
         locks: &'a Locks,
         tracks: &'a [Track],
         target: usize,
-        seen: &[usize],
-        per_side: usize,
+        neighbors: Vec<usize>,
     ) -> Option<Self> {
-        let below = seen.iter().rev().copied().filter(|n| *n < target).take(per_side);
-        let above = seen.iter().copied().filter(|n| *n > target).take(per_side);
-        let mut neighbors: Vec<usize> = below.chain(above).collect();
-        neighbors.sort_unstable();
         if neighbors.is_empty() {
             return None;
         }
@@ -72,6 +69,7 @@ impl<'a> ShapeModel<'a> {
             tracks,
             target,
             neighbors,
+            features: DMatrix::zeros(width, tracks[target].n_frames()),
             frames: Vec::new(),
             gram: DMatrix::zeros(width, width),
             cross: DMatrix::zeros(width, 3),
@@ -83,25 +81,46 @@ impl<'a> ShapeModel<'a> {
     }
 
     fn learn(&mut self) {
-        let n_frames = self.tracks[self.target].n_frames();
-        let features: Vec<Option<DVector<f64>>> = (0..n_frames).map(|f| self.raw_features(f)).collect();
-        let n = features.iter().flatten().count().max(1) as f64;
-        let mut center =
-            features.iter().flatten().fold(DVector::zeros(self.cross.nrows()), |sum, x| sum + x) / n;
+        self.frames = (0..self.features.ncols()).map(|frame| self.look(frame)).collect();
+        let seen: Vec<usize> = (0..self.frames.len()).filter(|f| self.applies(*f)).collect();
+        let mut center = DVector::zeros(self.features.nrows());
+        seen.iter().for_each(|f| center += self.features.column(*f));
+        center /= seen.len().max(1) as f64;
         let last = center.len() - 1;
         center[last] = 0.0;
-        let around = |(frame, features): (usize, Option<DVector<f64>>)| {
-            let base_m = self.base(frame)?;
-            let offset_m = self.tracks[self.target].at(frame).map(|place_m| place_m - base_m);
-            Some(Around { features: features? - &center, base_m, offset_m })
-        };
-        self.frames = features.into_iter().enumerate().map(around).collect();
-        for (x, y) in self.frames.iter().flatten().filter_map(Around::row) {
-            self.gram.ger(1.0, x, x, 1.0);
-            self.cross.ger(1.0, x, &y, 1.0);
+        for f in seen {
+            let mut column = self.features.column_mut(f);
+            column -= &center;
+        }
+        for frame in 0..self.frames.len() {
+            let Some(y) = self.offset_m(frame) else { continue };
+            let x = self.features.column(frame);
+            self.gram.ger(1.0, &x, &x, 1.0);
+            self.cross.ger(1.0, &x, &y, 1.0);
             self.squares += y.norm_squared();
             self.n_rows += 1;
         }
+    }
+
+    /// Notes where the neighbors are in a frame.
+    fn look(&mut self, frame: usize) -> Option<Around> {
+        let places_m = self.neighbors.iter().map(|n| self.tracks[*n].at(frame));
+        if places_m.clone().any(|place_m| place_m.is_none()) {
+            return None;
+        }
+        let mut column = self.features.column_mut(frame);
+        for (k, place_m) in places_m.flatten().enumerate() {
+            column.fixed_rows_mut::<3>(3 * k).copy_from(&place_m);
+        }
+        column[3 * self.neighbors.len()] = 1.0;
+        let base_m = self.base(frame)?;
+        let offset_m = self.tracks[self.target].at(frame).map(|place_m| place_m - base_m);
+        Some(Around { base_m, offset_m })
+    }
+
+    /// The offset of a frame to learn from.
+    fn offset_m(&self, frame: usize) -> Option<Vec3> {
+        self.around(frame)?.offset_m
     }
 
     /// Whether every neighbor is seen in a frame.
@@ -113,10 +132,11 @@ impl<'a> ShapeModel<'a> {
     pub(crate) fn without(&self, hidden: &Range<usize>) -> Option<Coefficients> {
         let (mut gram, mut cross) = (self.gram.clone(), self.cross.clone());
         let (mut n, mut squares) = (self.n_rows, self.squares);
-        let within = hidden.start.min(self.frames.len())..hidden.end.min(self.frames.len());
-        for (x, y) in self.frames[within].iter().flatten().filter_map(Around::row) {
-            gram.ger(-1.0, x, x, 1.0);
-            cross.ger(-1.0, x, &y, 1.0);
+        for frame in hidden.clone() {
+            let Some(y) = self.offset_m(frame) else { continue };
+            let x = self.features.column(frame);
+            gram.ger(-1.0, &x, &x, 1.0);
+            cross.ger(-1.0, &x, &y, 1.0);
             squares -= y.norm_squared();
             n -= 1;
         }
@@ -138,28 +158,25 @@ impl<'a> ShapeModel<'a> {
 
     /// Where the target is in a frame, head space, m; `None` if a neighbor is not seen.
     pub(crate) fn predict(&self, coefficients: &Coefficients, frame: usize) -> Option<Vec3> {
-        let Around { features, base_m, .. } = self.around(frame)?;
-        Some(base_m + Vec3::from_fn(|axis, _| coefficients.of_features.column(axis).dot(features)))
+        let Around { base_m, .. } = self.around(frame)?;
+        let features = self.features.column(frame);
+        Some(base_m + Vec3::from_fn(|axis, _| coefficients.of_features.column(axis).dot(&features)))
     }
 
-    /// How far the neighbors in a frame are from where they were in the frames that were learned from: the share
-    /// of the offset's variance that this adds to a prediction, up to a factor (the regression's leverage).
-    pub(crate) fn novelty(&self, coefficients: &Coefficients, frame: usize) -> Option<f64> {
-        let x = &self.around(frame)?.features;
-        Some(coefficients.gram.solve(x).dot(x))
+    /// How far the neighbors are in some frames from where they were in the frames that were learned from: the share
+    /// of the offset's variance that this adds to a prediction, up to a factor (the regression's leverage), on average over the
+    /// frames in which all are seen; 0 without any.
+    pub(crate) fn novelty(&self, coefficients: &Coefficients, frames: Range<usize>) -> f64 {
+        let features = self.features.columns_range(frames.clone());
+        let mut solved = features.into_owned();
+        coefficients.gram.solve_mut(&mut solved);
+        let seen = frames.enumerate().filter(|(_, frame)| self.applies(*frame));
+        let each: Vec<f64> = seen.map(|(k, _)| solved.column(k).dot(&features.column(k))).collect();
+        each.iter().sum::<f64>() / each.len().max(1) as f64
     }
 
-    fn around(&self, frame: usize) -> Option<&Around> {
-        self.frames.get(frame)?.as_ref()
-    }
-
-    fn raw_features(&self, frame: usize) -> Option<DVector<f64>> {
-        let mut x = DVector::zeros(self.cross.nrows());
-        for (k, n) in self.neighbors.iter().enumerate() {
-            x.fixed_rows_mut::<3>(3 * k).copy_from(&self.tracks[*n].at(frame)?);
-        }
-        x[3 * self.neighbors.len()] = 1.0;
-        Some(x)
+    fn around(&self, frame: usize) -> Option<Around> {
+        *self.frames.get(frame)?
     }
 
     /// The point that divides the hair between the nearest neighbors (or the root and one, or carries the last
@@ -168,12 +185,10 @@ impl<'a> ShapeModel<'a> {
         let arc = |n: usize| self.locks.markers[n].arc_m;
         let below = self.neighbors.iter().rev().copied().filter(|n| *n < self.target);
         let above = self.neighbors.iter().copied().find(|n| *n > self.target);
-        let mut anchors: Vec<(f64, Vec3)> = Vec::with_capacity(3);
-        for n in above.into_iter().chain(below) {
-            anchors.push((arc(n), self.tracks[n].at(frame)?));
-        }
-        anchors.push((0.0, self.locks.root_m(self.target)));
-        let [(s0, p0), (s1, p1)] = [anchors[0], anchors[1]];
+        let seen = above.into_iter().chain(below).map(|n| Some((arc(n), self.tracks[n].at(frame)?)));
+        let root = Some((0.0, self.locks.root_m(self.target)));
+        let mut anchors = seen.chain(core::iter::once(root));
+        let ((s0, p0), (s1, p1)) = (anchors.next()??, anchors.next()??);
         if (s0 - s1).abs() < 1e-6 {
             return Some(p0);
         }

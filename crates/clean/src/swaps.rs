@@ -1,8 +1,7 @@
 //! Two markers that exchange labels: found where both motions break and each goes on as the other.
 
 use crate::lock::Locks;
-use crate::motion::Continuity;
-use rayon::prelude::*;
+use crate::motion::{Continuity, least_cost};
 use tousle_core::Track;
 
 /// Labels exchanged in `frames` (from 0, the end excluded).
@@ -80,14 +79,19 @@ fn best_exchange(
         let ends = step_at(&tracks[*b], frame)?;
         Some(continuity.surprise(*b, &tracks[*b], ends)? > 3.0)
     };
+    let broken: Vec<usize> = (0..tracks.len()).filter(|b| broken(b) == Some(true)).collect();
+    if broken.is_empty() {
+        return None;
+    }
+    let steps: Vec<Option<Step>> =
+        (0..tracks.len()).map(|m| Step::of(tracks, continuity, frame, m)).collect();
     let mut best: Option<(f64, Exchange)> = None;
-    for b in (0..tracks.len()).filter(|b| broken(b) == Some(true)) {
-        let gain = |a: usize| if a == b { None } else { gain(tracks, continuity, frame, a, b) };
-        let gains: Vec<Option<f64>> = (0..tracks.len()).into_par_iter().map(gain).collect();
-        for (a, gain) in gains.into_iter().enumerate() {
-            let Some(gain) = gain else { continue };
-            if gain > least_gain && best.as_ref().is_none_or(|(g, _)| gain > *g) {
-                let jump_m = (tracks[b].at(frame)? - tracks[b].at(step_at(&tracks[b], frame)?.0)?).norm();
+    for b in broken {
+        let of_b = steps[b].as_ref()?;
+        for (a, of_a) in steps.iter().enumerate().filter(|(a, _)| *a != b) {
+            let gain = of_a.as_ref().and_then(|of_a| of_a.gain(of_b, tracks, continuity, least_gain));
+            if let Some(gain) = gain.filter(|gain| best.as_ref().is_none_or(|(most, _)| gain > most)) {
+                let jump_m = (tracks[b].at(frame)? - tracks[b].at(of_b.ends.0)?).norm();
                 let odds = libm::exp((least_gain - gain).max(-50.0));
                 let confidence = 1.0 / (1.0 + odds);
                 best = Some((gain, Exchange { markers: [a.min(b), a.max(b)], frame, jump_m, confidence }));
@@ -97,13 +101,45 @@ fn best_exchange(
     best.map(|(_, exchange)| exchange)
 }
 
-/// By how much (in nats) both motions are likelier with their continuations exchanged.
-fn gain(tracks: &[Track], continuity: &Continuity<'_>, frame: usize, a: usize, b: usize) -> Option<f64> {
-    let (ends_a, ends_b) = (step_at(&tracks[a], frame)?, step_at(&tracks[b], frame)?);
-    let cost = |from: usize, to: usize, ends| continuity.cost(from, &tracks[from], &tracks[to], ends);
-    let as_labeled = cost(a, a, ends_a)? + cost(b, b, ends_b)?;
-    let exchanged = cost(a, b, (ends_a.0, ends_b.1))? + cost(b, a, (ends_b.0, ends_a.1))?;
-    Some(as_labeled - exchanged)
+/// More than rounding does to costs.
+const ROUNDING: f64 = 1e-6;
+
+/// A marker's motion at a frame as it is labeled.
+struct Step {
+    marker: usize,
+    /// As [`step_at`] gives them.
+    ends: (usize, usize),
+    cost: f64,
+}
+
+impl Step {
+    fn of(tracks: &[Track], continuity: &Continuity<'_>, frame: usize, marker: usize) -> Option<Self> {
+        let track = &tracks[marker];
+        let ends = step_at(track, frame)?;
+        Some(Self { marker, ends, cost: continuity.cost(marker, track, track, ends)? })
+    }
+
+    /// By how much (in nats) both motions are likelier with their continuations exchanged, if by more than `least_gain`.
+    fn gain(
+        &self,
+        other: &Self,
+        tracks: &[Track],
+        continuity: &Continuity<'_>,
+        least_gain: f64,
+    ) -> Option<f64> {
+        let as_labeled = self.cost + other.cost;
+        let ends = [(self.ends.0, other.ends.1), (other.ends.0, self.ends.1)];
+        let (a, b) = (self.marker, other.marker);
+        // Most are so far apart that it shows before any scale is asked for.
+        let least =
+            least_cost(&tracks[a], &tracks[b], ends[0])? + least_cost(&tracks[b], &tracks[a], ends[1])?;
+        if as_labeled - least < least_gain - ROUNDING {
+            return None;
+        }
+        let cost = |from: usize, to: usize, ends| continuity.cost(from, &tracks[from], &tracks[to], ends);
+        let exchanged = cost(a, b, ends[0])? + cost(b, a, ends[1])?;
+        Some(as_labeled - exchanged).filter(|gain| *gain > least_gain)
+    }
 }
 
 /// The two neighboring seen frames with `start < frame <= end`.
