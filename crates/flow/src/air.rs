@@ -81,6 +81,14 @@ pub struct WindAt {
     pub left_out_mps: f64,
 }
 
+/// A point near the head: what the stream and the swirls are there, whatever blows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AirPlace {
+    stream: StreamAt,
+    /// As [`SwirlModes::at`] gives them.
+    shapes: Vec<f64>,
+}
+
 impl AirFlow {
     /// The same air without how sure it is, which is most of what it holds.
     #[must_use]
@@ -112,12 +120,26 @@ impl AirFlow {
 
     /// The wind at a step and a point whose stream is known, as is that of the step.
     pub fn wind_at(&self, stream: &StreamAt, step: usize, now: &StreamNow, point_m: Vec3) -> WindAt {
+        let mut shapes = vec![0.0; 3 * self.modes.n_modes()];
+        self.modes.at(point_m, &mut shapes);
+        let mut change = vec![0.0; 3 * (self.modes.n_modes() + N_STREAM)];
+        let (velocity, left_out_mps) = self.wind_of(stream, &shapes, step, now, &mut change);
+        WindAt { velocity, change, left_out_mps }
+    }
+
+    /// The velocity where stream and shapes are known, what the swirls that no mode carries may add to it, and how it changes,
+    /// written to `change`, all as in [`WindAt`].
+    fn wind_of(
+        &self,
+        stream: &StreamAt,
+        shapes: &[f64],
+        step: usize,
+        now: &StreamNow,
+        change: &mut [f64],
+    ) -> (Vec3, f64) {
         let (state, n_modes) = (&self.states[step], self.modes.n_modes());
         let n = n_modes + N_STREAM;
         let wind = stream.wind(now);
-        let mut shapes = vec![0.0; 3 * n_modes];
-        self.modes.at(point_m, &mut shapes);
-        let mut change = vec![0.0; 3 * n];
         let mut velocity = wind.velocity;
         let mut carried = 0.0;
         let scale = state.swirl_mps * wind.layer;
@@ -134,20 +156,17 @@ impl AirFlow {
             row[n_modes + 3] = wind.by_wake[axis];
             row[n_modes + 4] = wind.by_log_layer[axis];
         }
-        WindAt { velocity, change, left_out_mps: scale * f64::max(1.0 - carried / 3.0, 0.0).sqrt() }
+        (velocity, scale * f64::max(1.0 - carried / 3.0, 0.0).sqrt())
     }
 
     /// The covariance of the wind, (m/s)², at each of many points of one step. All at once is several times as quick as
     /// one after the other.
     pub fn covariances(&self, step: usize, winds: &[WindAt]) -> Vec<Matrix3<f64>> {
-        let state = &self.states[step];
+        let n = self.modes.n_modes() + N_STREAM;
         let changes = winds.iter().flat_map(|wind| wind.change.iter().copied());
         // A column for each component of each point.
-        let changes = DMatrix::from_iterator(state.values.len(), 3 * winds.len(), changes);
-        let spread = match &state.covariance {
-            Some(covariance) => covariance * &changes,
-            None => DMatrix::zeros(changes.nrows(), changes.ncols()),
-        };
+        let changes = DMatrix::from_iterator(n, 3 * winds.len(), changes);
+        let spread = self.spread(step, &changes);
         let of_point = |(point, wind): (usize, &WindAt)| {
             let [changes, spread] = [&changes, &spread].map(|all| all.fixed_columns::<3>(3 * point));
             changes.tr_mul(&spread) + Matrix3::identity() * (wind.left_out_mps * wind.left_out_mps)
@@ -155,13 +174,38 @@ impl AirFlow {
         winds.iter().enumerate().map(of_point).collect()
     }
 
-    /// The standard deviation of the wind at a step at many points, m/s a component: of each point, with the stream there, one.
-    pub fn spreads_mps(&self, step: usize, points: &[(Vec3, StreamAt)]) -> Vec<f64> {
-        let now = self.now(step);
-        let winds: Vec<WindAt> =
-            points.iter().map(|(point_m, stream)| self.wind_at(stream, step, &now, *point_m)).collect();
-        let covariances = self.covariances(step, &winds);
-        covariances.iter().map(|covariance| f64::max(covariance.trace() / 3.0, 0.0).sqrt()).collect()
+    /// The covariance of a step's state times some columns.
+    fn spread(&self, step: usize, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        match &self.states[step].covariance {
+            Some(covariance) => covariance * columns,
+            None => DMatrix::zeros(columns.nrows(), columns.ncols()),
+        }
+    }
+
+    /// A point, ready to be asked for the spread of any step.
+    pub fn place(&self, point_m: Vec3) -> AirPlace {
+        let mut shapes = vec![0.0; 3 * self.modes.n_modes()];
+        self.modes.at(point_m, &mut shapes);
+        AirPlace { stream: self.stream.at(point_m), shapes }
+    }
+
+    /// The standard deviation of the wind at a step at many places, m/s a component: of each place one.
+    pub fn spreads_mps(&self, step: usize, places: &[AirPlace]) -> Vec<f64> {
+        let (now, n) = (self.now(step), self.modes.n_modes() + N_STREAM);
+        let mut changes = DMatrix::zeros(n, 3 * places.len());
+        let of_places = places.iter().zip(changes.as_mut_slice().chunks_exact_mut(3 * n));
+        let wind = |(place, change): (&AirPlace, &mut [f64])| {
+            self.wind_of(&place.stream, &place.shapes, step, &now, change).1
+        };
+        let left_out_mps: Vec<f64> = of_places.map(wind).collect();
+        let spread = self.spread(step, &changes);
+        let of_place = |(place, left_out_mps): (usize, &f64)| {
+            let variance = |k: usize| {
+                changes.column(3 * place + k).dot(&spread.column(3 * place + k)) + left_out_mps * left_out_mps
+            };
+            f64::max((variance(0) + variance(1) + variance(2)) / 3.0, 0.0).sqrt()
+        };
+        left_out_mps.iter().enumerate().map(of_place).collect()
     }
 }
 
@@ -184,8 +228,8 @@ mod tests {
             AirState { values, covariance: Some(covariance.clone()), swirl_mps: 0.4, fans: Vec::new() };
         let air =
             AirFlow { stream: Stream::round(&Body::none()), modes, swirl_share: 0.2, states: vec![state] };
-        let streams: Vec<_> = points.iter().map(|p| (*p, air.stream.at(*p))).collect();
-        for (spread, point) in air.spreads_mps(0, &streams).iter().zip(&points) {
+        let places: Vec<_> = points.iter().map(|p| air.place(*p)).collect();
+        for (spread, point) in air.spreads_mps(0, &places).iter().zip(&points) {
             let wind = air.at(0, *point);
             let rows = DMatrix::from_row_slice(3, n, &wind.change);
             let known = &rows * &covariance * rows.transpose();

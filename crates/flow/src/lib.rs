@@ -13,7 +13,7 @@ mod shelter;
 mod stream;
 mod swirl;
 
-pub use air::{AirFlow, AirState, N_STREAM, WindAt};
+pub use air::{AirFlow, AirPlace, AirState, N_STREAM, WindAt};
 pub use potential::PotentialFlow;
 pub use stream::{Stream, StreamAt, StreamNow, StreamPart, StreamWind, stream_parts};
 pub use swirl::{SwirlFlow, SwirlKernel, SwirlModes, SwirlPlace};

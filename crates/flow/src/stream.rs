@@ -35,8 +35,19 @@ pub struct StreamNow {
     wake: f64,
     /// The thickness of the layer at the scalp, m.
     layer_m: f64,
-    /// The parts of the wind far away, and the lee that each has behind the head.
-    parts: Vec<(StreamPart, Lee)>,
+    /// The parts of the wind far away.
+    parts: Vec<PartNow>,
+}
+
+/// A part of the wind far away at one time.
+#[derive(Clone, Debug, PartialEq)]
+struct PartNow {
+    /// As in [`StreamPart`].
+    share: Matrix3<f64>,
+    /// What it is of the wind far away, m/s.
+    wind: Vec3,
+    /// What it has behind the head.
+    lee: Lee,
 }
 
 impl Stream {
@@ -73,7 +84,11 @@ impl Stream {
     /// strength `wake` and in a layer `layer_m` thick.
     pub fn now(&self, outside: Vec3, fans: &[Vec3], wake: f64, layer_m: f64) -> StreamNow {
         let parts = self.head.map_or_else(Vec::new, |(_, half_axes_m, _)| {
-            let with_lee = |part: StreamPart| (part, Lee::of(half_axes_m, part.direction));
+            let with_lee = |part: StreamPart| PartNow {
+                share: part.share,
+                wind: part.share * outside,
+                lee: Lee::of(half_axes_m, part.direction),
+            };
             stream_parts(outside, fans).into_iter().map(with_lee).collect()
         });
         StreamNow { outside, wake, layer_m, parts }
@@ -140,11 +155,7 @@ impl StreamAt {
     pub fn velocity(&self, now: &StreamNow) -> (Vec3, f64) {
         let Some(near) = self.near else { return (self.potential * now.outside, 1.0) };
         let layer = layer(near.distance_m, now.layer_m);
-        let taken: Vec3 = now
-            .parts
-            .iter()
-            .map(|(part, lee)| part.share * now.outside * lee.share(near.from_center_m))
-            .sum();
+        let taken: Vec3 = now.parts.iter().map(|part| part.wind * part.lee.share(near.from_center_m)).sum();
         (self.potential * (now.outside - taken * now.wake) * layer, layer)
     }
 
@@ -162,7 +173,7 @@ impl StreamAt {
         let layer = layer(near.distance_m, now.layer_m);
         // What all wakes of strength 1 take.
         let in_lee: Matrix3<f64> =
-            now.parts.iter().map(|(part, lee)| part.share * lee.share(near.from_center_m)).sum();
+            now.parts.iter().map(|part| part.share * part.lee.share(near.from_center_m)).sum();
         let left = self.potential * (Matrix3::identity() - in_lee * now.wake);
         // 1 − e^(−x) changes with ln δ as −x e^(−x).
         let by_log_layer = (1.0 - layer) * (-near.distance_m / now.layer_m);

@@ -1,7 +1,7 @@
 use rayon::prelude::*;
-use tousle_core::{Vec3, WindSample};
+use tousle_core::WindSample;
 use tousle_field::{Field, GridSpec, Stencil, VoxelFlag};
-use tousle_flow::{AirFlow, StreamAt, SwirlPlace};
+use tousle_flow::{AirFlow, AirPlace, StreamAt, SwirlPlace};
 
 /// The voxels of a grid, ready to be given the air of any step.
 pub(crate) struct Voxels<'a> {
@@ -52,8 +52,8 @@ impl<'a> Voxels<'a> {
 /// How sure the air is, known on a lattice coarser than the grid: it changes as slowly as swirls do.
 pub(crate) struct Deviations<'a> {
     air: &'a AirFlow,
-    /// The lattice's points, and what the stream does there.
-    points: Vec<(Vec3, StreamAt)>,
+    /// The lattice's points.
+    points: Vec<AirPlace>,
     /// By voxel of the grid, the points around it; `None` inside the head.
     stencils: Vec<Option<Stencil>>,
 }
@@ -69,10 +69,7 @@ impl<'a> Deviations<'a> {
     pub(crate) fn new(grid: &GridSpec, air: &'a AirFlow) -> Self {
         let dims = grid.dims.map(|n| ((n as f64 * grid.edge_m / COARSE_M).ceil() as usize).max(1));
         let coarse = GridSpec { origin_m: grid.origin_m, edge_m: COARSE_M, dims };
-        let point = |flat| {
-            let point_m = coarse.cell_center_m(coarse.unflat(flat));
-            (point_m, air.stream.at(point_m))
-        };
+        let point = |flat| air.place(coarse.cell_center_m(coarse.unflat(flat)));
         let stencil = |flat| {
             let center_m = grid.cell_center_m(grid.unflat(flat));
             (!air.stream.is_solid(center_m)).then(|| Stencil::at(&coarse, center_m))
