@@ -3,6 +3,7 @@ use crate::labels::mend_labels;
 use crate::registration::{Pair, Registration, register};
 use crate::shape::{HeadShape, head_shape};
 use crate::smooth::{PoseTrackReport, SmoothOptions, TrackedPoses, pose_track};
+use rayon::prelude::*;
 use serde::Serialize;
 use tousle_core::{
     Capture, FrameSpan, HeadCapture, HeadPose, Session, StrandTracks, Track, UnlabeledTrack, runs,
@@ -203,6 +204,7 @@ fn register_frames(
         Some(Pair { marker: k, place_m: shape.places_m[k], seen_m })
     };
     (0..n_frames)
+        .into_par_iter()
         .map(|frame| {
             let pairs: Vec<Pair> = (0..tracks.len()).filter_map(|k| pair(frame, k)).collect();
             let mut registration = register(&pairs, trust, options.tolerance_m)?;

@@ -34,8 +34,8 @@ impl Touch {
     }
 
     /// Moments of unit rubs two ways along the surface.
-    pub(crate) fn of_rubs(&self, at: &LockAt) -> DMatrix<f64> {
-        DMatrix::from_columns(&across(self.normal).map(|force| self.of_force(at, force)))
+    pub(crate) fn of_rubs(&self, at: &LockAt) -> [DVector<f64>; 2] {
+        across(self.normal).map(|force| self.of_force(at, force))
     }
 
     fn of_force(&self, at: &LockAt, force: Vec3) -> DVector<f64> {
@@ -59,7 +59,7 @@ pub(crate) struct Whitened {
 }
 
 /// Takes out of a whitened imbalance what the body may do: `of_pushes`, a column for each place where it may push, and
-/// `of_rubs`, two for a place where it does, being whitened in the same way.
+/// `of_rubs`, two for each of those where it does, being whitened in the same way.
 ///
 /// The pushes ≥ 0 are those that leave the least imbalance, small ones preferred (`likely_push_n` is their scale, N).
 /// Where it pushes, its push and its friction, up to `friction` of it, are unknowns of that size: what they would explain is
@@ -67,7 +67,7 @@ pub(crate) struct Whitened {
 pub(crate) fn less_body(
     white: Whitened,
     of_pushes: &DMatrix<f64>,
-    of_rubs: impl Fn(usize) -> DMatrix<f64>,
+    of_rubs: impl Fn(&[usize]) -> DMatrix<f64>,
     likely_push_n: f64,
     friction: f64,
 ) -> Whitened {
@@ -75,17 +75,17 @@ pub(crate) fn less_body(
         return white;
     }
     let pushes = pushes(&white.moments, of_pushes, likely_push_n);
-    let pushing: Vec<(usize, f64)> =
-        pushes.iter().copied().enumerate().filter(|(_, push)| *push > 0.0).collect();
+    let pushing: Vec<usize> = (0..pushes.len()).filter(|touch| pushes[*touch] > 0.0).collect();
     if pushing.is_empty() {
         return white;
     }
-    let n_rows = white.moments.len();
-    let mut unknown = DMatrix::zeros(n_rows, 3 * pushing.len());
-    for (k, (touch, push)) in pushing.iter().enumerate() {
+    let of_rubs = of_rubs(&pushing);
+    let mut unknown = DMatrix::zeros(white.moments.len(), 3 * pushing.len());
+    for (k, touch) in pushing.iter().enumerate() {
         unknown.column_mut(3 * k).axpy(likely_push_n, &of_pushes.column(*touch), 0.0);
-        for (along, of_rub) in of_rubs(*touch).column_iter().enumerate() {
-            unknown.column_mut(3 * k + 1 + along).axpy(friction * push, &of_rub, 0.0);
+        for along in 0..2 {
+            let of_rub = of_rubs.column(2 * k + along);
+            unknown.column_mut(3 * k + 1 + along).axpy(friction * pushes[*touch], &of_rub, 0.0);
         }
     }
     let n_pushing = pushing.len();
@@ -142,7 +142,8 @@ mod tests {
     #[test]
     fn the_body_pushes_and_never_pulls() {
         // 1 N outwards makes a moment of 100 in the first row; nothing along the surface does anything.
-        let (of_push, of_rubs) = (DMatrix::from_row_slice(2, 1, &[100.0, 0.0]), |_| DMatrix::zeros(2, 2));
+        let (of_push, of_rubs) =
+            (DMatrix::from_row_slice(2, 1, &[100.0, 0.0]), |_: &[usize]| DMatrix::zeros(2, 2));
         let pushed = less_body(white(&[-5.0, 1.0]), &of_push, of_rubs, 1.0, 0.25);
         assert_eq!(pushed.n_pushing, 1);
         assert!(pushed.moments[0].abs() < 0.1 && (pushed.moments[1] - 1.0).abs() < 1e-12);
@@ -165,7 +166,7 @@ mod tests {
     #[test]
     fn friction_is_an_unknown_of_its_size() {
         let of_push = DMatrix::from_row_slice(2, 1, &[100.0, 0.0]);
-        let of_rubs = |_| DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 100.0, 0.0]);
+        let of_rubs = |_: &[usize]| DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 100.0, 0.0]);
         let rubbed = less_body(white(&[-50.0, 3.0]), &of_push, of_rubs, 1.0, 0.25);
         // Half a newton pushes: friction's unknown moment has a standard deviation of 12.5 beside the error's 1.
         assert!((rubbed.moments[1] - 3.0 / libm::hypot(1.0, 12.5)).abs() < 0.01, "{}", rubbed.moments[1]);

@@ -100,7 +100,10 @@ impl Station {
             n_pushing: 0,
         };
         let at = &balance.seen.steps[balance.step];
-        let of_rubs = |touch: usize| lower.solve(&self.touches[touch].of_rubs(at));
+        let of_rubs = |pushing: &[usize]| {
+            let columns: Vec<_> = pushing.iter().flat_map(|touch| self.touches[*touch].of_rubs(at)).collect();
+            lower.solve(&DMatrix::from_columns(&columns))
+        };
         let white = contact::less_body(white, &self.of_pushes, of_rubs, weight_n, friction);
         let square = white.moments.norm_squared();
         let weight = ((ROBUST + white.moments.len() as f64) / (ROBUST + square)).min(1.0);
@@ -153,8 +156,8 @@ impl Station {
         let mut by_state = DMatrix::zeros(3 * self.points_m.len(), n);
         for (p, (point_m, stream)) in self.points_m.iter().zip(&self.streams).enumerate() {
             let wind = air.wind_at(stream, step, now, *point_m);
-            for (axis, change) in wind.change.chunks_exact(n).enumerate() {
-                by_state.row_mut(3 * p + axis).iter_mut().zip(change).for_each(|(slot, c)| *slot = *c);
+            for (j, mut column) in by_state.column_iter_mut().enumerate() {
+                (0..3).for_each(|axis| column[3 * p + axis] = wind.change[axis * n + j]);
             }
             winds.push(wind.velocity);
         }

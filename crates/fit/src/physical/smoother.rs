@@ -126,7 +126,7 @@ pub(crate) fn most_likely(
         own.information -= &after.information;
         let factor = own.information.matrix().cholesky()?;
         let state = factor.solve(&(own.vector + before.vector + after.vector));
-        Some(Likely { state, covariance: with_covariance.then(|| factor.inverse()) })
+        Some(Likely { state, covariance: with_covariance.then(|| Triangle::inverse(&factor)) })
     };
     said.into_par_iter().zip(from_before).zip(from_after).map(of_step).collect()
 }

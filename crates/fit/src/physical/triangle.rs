@@ -1,7 +1,7 @@
 //! The lower half of a square matrix.
 
 use core::ops::{AddAssign, SubAssign};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// A lower triangle, row after row up to the diagonal: of a symmetric matrix all that is to be kept, of a factor all there is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,8 +44,12 @@ impl Triangle {
     /// A factor's inverse times some columns.
     pub(crate) fn solve(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
         let mut solved = columns.clone();
-        let some = solved.as_mut_slice().chunks_mut(TOGETHER * self.n.max(1));
-        some.for_each(|some| self.solve_beside::<TOGETHER>(some));
+        for some in solved.as_mut_slice().chunks_mut(TOGETHER * self.n.max(1)) {
+            match some.len() / self.n {
+                ..3 => self.solve_beside::<2>(some),
+                _ => self.solve_beside::<TOGETHER>(some),
+            }
+        }
         solved
     }
 
@@ -63,17 +67,27 @@ impl Triangle {
         for (k, column) in columns.chunks_exact(self.n).enumerate() {
             beside.iter_mut().zip(column).for_each(|(row, value)| row[k] = *value);
         }
-        for r in 0..self.n {
+        // Before the first number there is nothing to take off.
+        let first = beside.iter().position(|row| *row != [0.0; N]).unwrap_or(self.n);
+        for r in first..self.n {
             let (solved, rest) = beside.split_at_mut(r);
-            let (row, left) = (self.row(r), &mut rest[0]);
-            for (factor, solved) in row.iter().zip(solved) {
+            let (row, mut left) = (self.row(r), rest[0]);
+            for (factor, solved) in row[first..].iter().zip(&solved[first..]) {
                 left.iter_mut().zip(solved).for_each(|(left, solved)| *left -= factor * *solved);
             }
-            left.iter_mut().for_each(|left| *left /= row[r]);
+            rest[0] = left.map(|left| left / row[r]);
         }
         for (k, column) in columns.chunks_exact_mut(self.n).enumerate() {
             beside.iter().zip(column).for_each(|(row, value)| *value = row[k]);
         }
+    }
+
+    /// The inverse of what a factor, times itself turned, makes.
+    pub(crate) fn inverse(factor: &Cholesky<f64, Dyn>) -> DMatrix<f64> {
+        let lower = factor.l_dirty();
+        let mut inverse = Self::of(lower).solve(&DMatrix::identity(lower.nrows(), lower.nrows()));
+        lower.ad_solve_lower_triangular_unchecked_mut(&mut inverse);
+        inverse
     }
 
     /// A factor times a column.
@@ -131,10 +145,20 @@ mod tests {
         let columns = DMatrix::from_fn(5, 19, |r, c| (7 * r + 3 * c) as f64 / 11.0 - 1.0);
         let expected = square().solve_lower_triangular(&columns).unwrap();
         assert_eq!(triangle.solve(&columns), expected);
+        for n_columns in 1..19 {
+            let some = columns.columns(0, n_columns).into_owned();
+            assert_eq!(triangle.solve(&some), expected.columns(0, n_columns));
+        }
         for (column, expected) in columns.column_iter().zip(expected.column_iter()) {
             let solved = triangle.solve_column(&column.into_owned());
             assert_eq!(solved, expected);
             assert!((triangle.times(&solved) - column).amax() < 1e-12);
         }
+    }
+
+    #[test]
+    fn it_inverts_as_the_whole_factor_does() {
+        let factor = (square() * square().transpose()).cholesky().unwrap();
+        assert_eq!(Triangle::inverse(&factor), factor.inverse());
     }
 }
