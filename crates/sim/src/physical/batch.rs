@@ -62,10 +62,10 @@ pub(crate) struct Batch<L> {
     pub contraction2: L,
     /// Whether nothing has moved yet.
     pub at_rest: bool,
-    /// Where the strands asked the field, if that is to be known.
-    pub asked: Option<Extent<L>>,
     /// How many implicit steps have been taken since.
     pub n_moved: u64,
+    /// Where the strands asked the field, if that is to be known.
+    pub asked: Option<Extent<L>>,
     pub count: Count,
 }
 

@@ -114,8 +114,8 @@ pub(super) fn build<L: Lane>(strands: &[&Prepared], law: &DragLaw) -> Batch<L> {
         contact_give: L::from_fn(|lane| 1.0 / contact_stiffness(&of(lane).lock)),
         contraction2: L::one(),
         at_rest: true,
-        asked: None,
         n_moved: 0,
+        asked: None,
         count: Count::default(),
     }
 }
