@@ -145,8 +145,16 @@ impl FieldLayer {
 
     /// Whether the two make the same of every vector, by what they are made of.
     pub fn does_as(&self, other: &Self) -> bool {
+        self.acts_with(other) && self.handles == other.handles
+    }
+
+    /// Whether the two act at the same places and times, and differ in their handles' vectors if in anything.
+    pub(crate) fn acts_with(&self, other: &Self) -> bool {
+        let place = |handle: &Handle| (handle.center_m, handle.reach_m);
         let span = |layer: &Self| (layer.first_secs, layer.last_secs, layer.ease, layer.muted);
-        span(self) == span(other) && self.reshape == other.reshape && self.handles == other.handles
+        span(self) == span(other)
+            && self.reshape == other.reshape
+            && self.handles.iter().map(place).eq(other.handles.iter().map(place))
     }
 
     /// How much of the layer is there at a time: 0 outside the span and at its ends, 1 in between.

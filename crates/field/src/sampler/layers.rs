@@ -43,7 +43,7 @@ impl<'a> Placed<'a> {
         for k in 0..most {
             let mut left: Vec<Option<&FieldLayer>> = variants.iter().map(|layers| layers.get(k)).collect();
             while let Some(first) = left.iter().copied().find_map(|layer| layer) {
-                let is_like = |layer: &&FieldLayer| differ_in_vectors_only(layer, first);
+                let is_like = |layer: &&FieldLayer| layer.acts_with(first);
                 let alike: Vec<_> = left.iter_mut().map(|layer| layer.take_if(|l| is_like(l))).collect();
                 placed.extend(Self::new(&alike));
             }
@@ -163,15 +163,6 @@ impl Spot {
             }
         }
     }
-}
-
-/// Whether two layers act at the same places and times.
-fn differ_in_vectors_only(a: &FieldLayer, b: &FieldLayer) -> bool {
-    let place = |handle: &Handle| (handle.center_m, handle.reach_m);
-    let span = |layer: &FieldLayer| (layer.first_secs, layer.last_secs, layer.ease, layer.muted);
-    span(a) == span(b)
-        && a.reshape == b.reshape
-        && a.handles.iter().map(place).eq(b.handles.iter().map(place))
 }
 
 #[cfg(test)]
