@@ -1,5 +1,6 @@
 //! Where strands ask the field.
 
+use crate::frames::single;
 use crate::lane::{Lane, Vector};
 use tousle_core::Vec3;
 
@@ -39,7 +40,6 @@ impl<L: Lane> Extent<L> {
 
     /// The box of one strand.
     pub fn of(&self, lane: usize) -> Region {
-        let single = |corner: Vec3| corner.map(|c| c as f32).into();
         Region { low_m: single(self.low.get(lane)), high_m: single(self.high.get(lane)) }
     }
 }

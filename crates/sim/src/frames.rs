@@ -141,6 +141,12 @@ impl Frames {
         Self { positions_m, n_points: rest.len(), places, roots_m }
     }
 
+    /// Frames of all of a groom's strands, filled already.
+    pub fn filled(groom: &Groom, positions_m: Vec<[f32; 3]>) -> Self {
+        let all: Vec<usize> = (0..groom.strands.len()).collect();
+        Self { positions_m, ..Self::new(groom, &all, 1) }
+    }
+
     /// Puts the points of some strands, roots left out, into a frame.
     pub fn put(&mut self, frame: usize, strands: &[usize], points: &[[f32; 3]]) {
         let mut points = points;

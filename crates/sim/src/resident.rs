@@ -1,12 +1,12 @@
 //! A simulation that stays prepared while the layers on its field change.
 
+use crate::frames::Frames;
 use crate::mechanics::Setting;
 use crate::paper::Paper;
 use crate::physical::Physical;
 use crate::ready::{self, Ready, Resident};
 use crate::timeline::Runs;
 use crate::{Keeper, Method, SimError, SimOptions, Simulation, Traced, check};
-use core::ops::Range;
 use std::sync::Arc;
 use tousle_core::{Groom, Progress, StrandMotion};
 use tousle_field::{FieldLayer, FieldSequence, Scene};
@@ -127,8 +127,13 @@ impl<'a> Simulator<'a> {
         };
         let (mut motion, mut whereabouts) = (last.motion.clone(), before.clone());
         if !strands.is_empty() {
-            let (positions_m, asked) = self.ready.trace(layers, &strands, progress)?;
-            put_strands(Arc::make_mut(&mut motion), &strands, &positions_m);
+            let (moved, asked) = self.ready.trace(layers, &strands, progress)?;
+            let mut frames = Frames::filled(self.groom, motion.positions_m.clone());
+            frames
+                .put_all(&strands, &moved)
+                .expect("all frames of these strands, of which both motions have as many");
+            let (counts, times_secs) = (motion.counts.clone(), motion.times_secs.clone());
+            motion = Arc::new(StrandMotion { counts, times_secs, positions_m: frames.positions_m });
             whereabouts.put(&strands, &asked);
         }
         Ok(Traced { layers: layers.to_vec(), motion, whereabouts: Some(whereabouts) })
@@ -234,28 +239,6 @@ impl<'a> Simulator<'a> {
             counts: strands.iter().map(|s| self.groom.strands[*s].rest_curve_m.len()).collect(),
             times_secs: self.times_secs[frames.0..=frames.1].to_vec(),
             positions_m,
-        }
-    }
-}
-
-/// Puts some strands, by their ascending indices, into a motion of all. `points`: theirs, frame after frame.
-fn put_strands(motion: &mut StrandMotion, strands: &[usize], mut points: &[[f32; 3]]) {
-    let n_points = motion.n_points();
-    let mut first = 0;
-    let all: Vec<Range<usize>> = motion
-        .counts
-        .iter()
-        .map(|n| {
-            first += n;
-            first - n..first
-        })
-        .collect();
-    let places: Vec<Range<usize>> = strands.iter().map(|strand| all[*strand].clone()).collect();
-    for frame in motion.positions_m.chunks_exact_mut(n_points) {
-        for place in &places {
-            let (own, others) = points.split_at(place.len());
-            frame[place.clone()].copy_from_slice(own);
-            points = others;
         }
     }
 }
