@@ -235,7 +235,12 @@ impl<L: Lane> Batch<L> {
         self.look(work, now, L::zero(), false);
         for touchable in &mut self.touchable {
             let moving = &now.surfaces[touchable.collider];
-            touchable.feel(model, moving, |stick| (work[stick].place, work[stick].drifting), firmness);
+            touchable.feel(
+                model,
+                moving,
+                |stick| (work[stick].place, work[stick].drifting, work[stick].direction),
+                firmness,
+            );
             for near in &touchable.near {
                 let work = &mut work[near.stick];
                 work.slope += near.bearing.slope;
@@ -254,7 +259,12 @@ impl<L: Lane> Batch<L> {
         };
         for touchable in &mut self.touchable {
             let moving = &now.surfaces[touchable.collider];
-            touchable.feel(model, moving, |stick| (work[stick].place, work[stick].drifting), firmness);
+            touchable.feel(
+                model,
+                moving,
+                |stick| (work[stick].place, work[stick].drifting, work[stick].direction),
+                firmness,
+            );
             touchable.remember();
         }
         for (work, turn) in work.iter_mut().zip(&swing.turns) {

@@ -131,7 +131,10 @@ impl<L: Lane> Batch<L> {
         let mut off2 = weights.h.same(0.0);
         for touchable in &mut self.touchable {
             let surface = &now.surfaces[touchable.collider];
-            let at = |stick: usize| (work[stick].place, work[stick].velocity(weights.per_h));
+            let at = |stick: usize| {
+                let work = &work[stick];
+                (work.place, work.velocity(weights.per_h), work.direction)
+            };
             off2 = off2.max(touchable.feel(model, surface, at, firmness));
         }
         off2
