@@ -4,9 +4,8 @@ use std::path::Path;
 use tousle_bench::{CaptureFolder, sim_in_true_wind};
 use tousle_sim::{Method, SimOptions};
 
-/// At 60 steps a second: within .03 of the ceiling (the engine that made the captures), rounded down, but for
-/// `nod_turn`, where that engine's shoulders rub as if they turned with the head and two locks slip behind them; there
-/// the median lock counts (docs/physical.md, "Contact").
+/// At 60 steps a second: within .03 of the ceiling (the engine that made the captures), rounded down. In `nod_turn` it
+/// takes friction as on a surface that goes back without a velocity (docs/physical.md, "Contact").
 #[test]
 fn style_b_moves_as_it_really_did() {
     let Some(shared) = std::env::var_os("TOUSLE_SHARED") else {
@@ -16,7 +15,7 @@ fn style_b_moves_as_it_really_did() {
     let options = SimOptions { dt_secs: Some(1.0 / 60.0), ..SimOptions::of(Method::Physical) };
     for (name, explained, median) in [
         ("gusts_left", 0.955, 0.96),
-        ("nod_turn", 0.70, 0.97),
+        ("nod_turn", 0.935, 0.97),
         ("steady_front", 0.97, 0.97),
         ("sweep_0_120", 0.965, 0.98),
         ("turbulent_dirty", 0.87, 0.925),

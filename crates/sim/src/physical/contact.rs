@@ -350,6 +350,7 @@ pub(super) fn limit_m(clearance_m: f64, bearing_n: f64, stiffness: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane::F64x1;
 
     #[test]
     fn a_depth_pushes_as_hard_as_it_was_made_for() {
@@ -358,6 +359,35 @@ mod tests {
             let soft = depth.min(FRINGE_M);
             let pushes = soft * soft * 0.5 / FRINGE_M + (depth - soft);
             assert!((pushes - give).abs() < 1e-15, "{give} {pushes}");
+        }
+    }
+
+    /// A pull of one both ways, of a point of 0.1 g that slides at a speed, m/s, both ways and comes at another.
+    fn tilted(approach: f64, slides: f64) -> Vector<F64x1> {
+        let of = F64x1::splat;
+        let hops = Hops { held: of(1e-3), approach: of(approach), friction: of(0.25) };
+        let both = |size: f64| Vector::splat(Vec3::new(size, size, 0.0));
+        hops.tilt(both(1.0), both(slides), Vector::splat(Vec3::x()), of(1e-4))
+    }
+
+    /// Friction leaves as much along a lock, and across it what the law in docs/physical.md says: 1.48 mN are thrown off.
+    #[test]
+    fn friction_stops_hair_that_hops_along_itself_first() {
+        assert_eq!(tilted(0.0, 0.1).get(0), Vec3::new(1.0, 1.0, 0.0));
+        let aloft = 1e-4 * HOP_RATE * 0.2 / (1e-4 * HOP_RATE * 0.2 + 1.5e-3);
+        for slides in [1e-3, 0.05, 0.5] {
+            let share = tilted(0.2, slides).get(0);
+            assert!((share.x - 1.0).abs() < 1e-12 && share.z == 0.0, "{share}");
+            // From the share follows how far friction is from stopping it: share = (ρ + 0.2 a) / (ρ + 3.4 a).
+            let rest = (3.4 * share.y - 0.2) * aloft / (1.0 - share.y);
+            let force = |yields: f64| 1e-4 * HOP_RATE * slides / (rest + yields * aloft);
+            let limit = 0.25 * (1e-3 + 1e-4 * HOP_RATE * 0.2 / 1.5);
+            let over = f64::hypot(force(0.2), force(3.4)) / limit;
+            if rest > 0.0501 {
+                assert!((over - 1.0).abs() < 1e-2, "{slides}: {over} of the limit");
+            } else {
+                assert!((rest - 0.05).abs() < 1e-9 && over < 1.0, "{slides}: {rest}, {over} of the limit");
+            }
         }
     }
 }
