@@ -382,7 +382,7 @@ mod tests {
             let rest = (3.4 * share.y - 0.2) * aloft / (1.0 - share.y);
             let force = |yields: f64| 1e-4 * HOP_RATE * slides / (rest + yields * aloft);
             let limit = 0.25 * (1e-3 + 1e-4 * HOP_RATE * 0.2 / 1.5);
-            let over = f64::hypot(force(0.2), force(3.4)) / limit;
+            let over = libm::hypot(force(0.2), force(3.4)) / limit;
             if rest > 0.0501 {
                 assert!((over - 1.0).abs() < 1e-2, "{slides}: {over} of the limit");
             } else {
