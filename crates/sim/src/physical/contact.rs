@@ -179,9 +179,9 @@ impl<L: Lane> Touchable<L> {
         let mut off2 = firmness.give.same(0.0);
         for near in &mut self.near {
             let history = (self.pushes[near.stick], self.slips[near.stick]);
-            let (place, velocity, direction) = at(near.stick);
-            let at = (place, velocity, direction);
-            let bearing = bear(model, near.limit_m, history, moving, at, firmness);
+            let felt = at(near.stick);
+            let place = felt.0;
+            let bearing = bear(model, near.limit_m, history, moving, felt, firmness);
             let way = place - near.place;
             let off = bearing.slope - near.bearing.slope - near.bearing.hessian.mul_vector(way);
             off2 = off2.max(off.norm_squared());
@@ -255,7 +255,7 @@ fn bear<L: Lane>(
     let rub_secs = limit_m.same(RUB_SECS);
     let slip = slip_before - normal * slip_before.dot(normal) + along * dt;
     let mut pull = slip + along * rub_secs;
-    if !moving.is_heads && model.friction > 0.0 {
+    if !moving.is_heads {
         let hops = Hops { held, approach: (-leaving).max(zero), friction: limit_m.same(model.friction) };
         let mass = stiffness * limit_m.same(1.0 / (CONTACT_RATE * CONTACT_RATE));
         pull = hops.tilt(pull, along, direction - normal * direction.dot(normal), mass);
@@ -297,9 +297,10 @@ impl<L: Lane> Hops<L> {
     /// Which way friction pulls a point that hops.
     ///
     /// While it touches, friction stops the point as far as Coulomb's limit lets it: of all forces within the cone the one
-    /// that leaves least kinetic energy (Todorov 2011, "A convex, smooth and invertible contact model for trajectory optimization"). So it stops
-    /// first what is light, across the lock, and has the more left to pull along it, where the lock is as heavy as all that
-    /// hangs on it. A point that touches all the time has no such choice: there friction opposes how it slides.
+    /// that leaves least kinetic energy (Todorov 2011, "A convex, smooth and invertible contact model for trajectory
+    /// optimization"). So it stops first what is light, across the lock, and has the more left to pull along it, where the
+    /// lock is as heavy as all that hangs on it. A point that touches all the time has no such choice: there friction
+    /// opposes how it slides.
     #[inline(always)]
     fn tilt(self, pull: Vector<L>, slides: Vector<L>, lock: Vector<L>, mass: L) -> Vector<L> {
         let (zero, one, tiny) = (mass.same(0.0), mass.same(1.0), mass.same(1e-30));

@@ -76,6 +76,12 @@ fn turned<L: Lane>(turn: Turn<L>, by: Vector<L>) -> Turn<L> {
     turn.turned(by * scale)
 }
 
+/// What surfaces go by at a stick's end: its place, its velocity and the stick's direction.
+#[inline(always)]
+fn felt<L: Lane>(work: &Work<L>) -> (Vector<L>, Vector<L>, Vector<L>) {
+    (work.place, work.drifting, work.direction)
+}
+
 impl<L: Lane> Batch<L> {
     /// One step of semi-implicit Euler: stiffness and surfaces at the start, damping and air's resistance at the end.
     pub fn step_semi_implicit(
@@ -235,12 +241,7 @@ impl<L: Lane> Batch<L> {
         self.look(work, now, L::zero(), false);
         for touchable in &mut self.touchable {
             let moving = &now.surfaces[touchable.collider];
-            touchable.feel(
-                model,
-                moving,
-                |stick| (work[stick].place, work[stick].drifting, work[stick].direction),
-                firmness,
-            );
+            touchable.feel(model, moving, |stick| felt(&work[stick]), firmness);
             for near in &touchable.near {
                 let work = &mut work[near.stick];
                 work.slope += near.bearing.slope;
@@ -259,12 +260,7 @@ impl<L: Lane> Batch<L> {
         };
         for touchable in &mut self.touchable {
             let moving = &now.surfaces[touchable.collider];
-            touchable.feel(
-                model,
-                moving,
-                |stick| (work[stick].place, work[stick].drifting, work[stick].direction),
-                firmness,
-            );
+            touchable.feel(model, moving, |stick| felt(&work[stick]), firmness);
             touchable.remember();
         }
         for (work, turn) in work.iter_mut().zip(&swing.turns) {
