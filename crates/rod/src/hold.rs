@@ -131,8 +131,9 @@ impl Loads {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::likely::{Likely, Twist};
     use crate::lock::tests::straight;
-    use crate::rest::{Likely, Twist, rest_state};
+    use crate::rest::rest_state;
     use tousle_core::{Body, Strand};
 
     const DOWN: Vec3 = Vec3::new(0.0, 0.0, -9.81);

@@ -8,15 +8,20 @@
 mod contact;
 mod drag;
 mod hold;
+mod likely;
 mod lock;
+mod natural;
 mod nnls;
 mod rest;
+mod touching;
 mod turn;
 
 pub use contact::{Gap, Surface, SurfaceShape};
 pub use drag::{Drag, DragLaw};
 pub use hold::{Support, hold_rest};
+pub use likely::{Bears, Likely, Style, Touch, Twist};
 pub use lock::Lock;
+pub use natural::{Fall, Natural};
 pub use nnls::nonnegative_least_squares;
-pub use rest::{Bearing, Likely, Rest, Touch, Twist, joint_torques, rest_state};
+pub use rest::{Bearing, Rest, joint_torques, rest_state};
 pub use turn::{ANGLE_OVER_SINE, shortest_rotation, shortest_turn, turned};

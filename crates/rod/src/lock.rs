@@ -99,6 +99,13 @@ impl Lock {
         self.arcs_m.last().copied().unwrap_or(0.0)
     }
 
+    /// Its points at rest, from the root, head space, m.
+    pub fn rest_points(&self) -> Vec<Vec3> {
+        let mut points_m = vec![self.root_m; self.n_sticks() + 1];
+        self.place(&self.rest_directions, &mut points_m[1..]);
+        points_m
+    }
+
     /// The far end of every stick when the sticks point along `directions`, head space, m.
     pub fn place(&self, directions: &[Vec3], ends_m: &mut [Vec3]) {
         let mut end = self.root_m;

@@ -1,58 +1,11 @@
 use crate::contact::Surface;
+use crate::likely::{Likely, Twist};
 use crate::lock::Lock;
+use crate::natural::{Fall, Natural, bends_over_m, curvature, falls, rest_bend};
 use crate::nnls::nonnegative_least_squares;
-use crate::turn::{any_perpendicular, shortest_turn};
+use crate::touching::{Candidate, candidates};
 use nalgebra::{DMatrix, DVector};
 use tousle_core::{Body, Pose, Vec3};
-
-/// What a joint does against a turn of its stick about the stick itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Twist {
-    /// Nothing: the lock is free to roll, and the moment about a stick goes nowhere.
-    Free,
-    /// It holds the moment as it does across the stick: an elastic rod.
-    Held,
-}
-
-/// How near to a body hair comes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
-    /// A point at rest whose center line is this near to a surface may be borne by it, m.
-    pub within_m: f64,
-    /// How near a center line may come that is not borne at rest, m.
-    pub radius_m: f64,
-}
-
-impl Touch {
-    /// Judged by a lock's width alone.
-    pub fn by_width(lock: &Lock) -> Self {
-        Self { within_m: lock.width_m, radius_m: 0.5 * lock.width_m }
-    }
-
-    /// Judged by how near the locks of a hairstyle come to the body at rest: those that lie on it show how thick hair
-    /// is to a surface, whatever it is to the wind. `None` where no lock comes near, or where they lie inside.
-    ///
-    /// The radius is the gap that a twentieth of the locks that come near fall short of. A stick between two points
-    /// on a round body lies deeper in than they do, so a point may be borne from half a radius farther out.
-    pub fn by_rest(locks: &[Lock], body: &Body) -> Option<Self> {
-        let surfaces = Surface::of_body(body, &Pose::identity());
-        let mut nearest: Vec<f64> = locks.iter().filter_map(|lock| nearest_gap(lock, &surfaces)).collect();
-        nearest.sort_by(f64::total_cmp);
-        let radius_m = *nearest.get(nearest.len() / 20)?;
-        (radius_m > 0.0).then_some(Self { within_m: 1.5 * radius_m, radius_m })
-    }
-}
-
-/// The least gap of a lock's points that lie beyond its first stick and within a width of a surface.
-fn nearest_gap(lock: &Lock, surfaces: &[Surface]) -> Option<f64> {
-    let mut ends_m = vec![Vec3::zeros(); lock.n_sticks()];
-    lock.place(&lock.rest_directions, &mut ends_m);
-    let near = |end: &Vec3| {
-        let gaps = surfaces.iter().filter_map(|s| s.gap_within(*end, lock.width_m));
-        gaps.map(|gap| gap.distance_m).reduce(f64::min)
-    };
-    ends_m.iter().skip(1).filter_map(near).reduce(f64::min)
-}
 
 /// How a lock that hangs still carries its weight: what its joints hold and what the body bears.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,87 +35,76 @@ pub struct Bearing {
     pub rub_n: Vec3,
 }
 
-/// What is taken to be likely of a lock that hangs still, where its rest curve leaves it open.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Likely {
-    /// What its joints do against twist.
-    pub twist: Twist,
-    /// How near it must be to the body to be borne.
-    pub touch: Touch,
-    /// Coulomb's coefficient up to which the body holds it along its surface, ≥ 0.
-    pub friction: f64,
-    /// How much a natural shape that is nearly straight counts beside joints that hold little, 0 to 1.
-    pub straightness: f64,
-}
-
-impl Likely {
-    /// Of what a rest curve leaves open: a natural shape without bends is as likely as joints without load. On the
-    /// development captures anything from 0.3 to 0.7 scores alike, and better than 0 or 1.
-    const STRAIGHTNESS: f64 = 0.5;
-
-    /// Hair on a body that rubs, near by the lock's own width: for measuring and for simulating alike.
-    pub fn hair(lock: &Lock, body: &Body) -> Self {
-        let friction = body.friction;
-        Self { friction, straightness: Self::STRAIGHTNESS, ..Self::smooth(lock, Twist::Held) }
-    }
-
-    /// A lock whose joints hold as little as can be, on a smooth body, near by its own width.
-    pub fn smooth(lock: &Lock, twist: Twist) -> Self {
-        Self { twist, touch: Touch::by_width(lock), friction: 0.0, straightness: 0.0 }
-    }
-}
-
-/// Contacts a lock may have before every second, third … is left out of the search for what bears it.
-const MAX_CANDIDATES: usize = 64;
+/// How often the natural shape is worked out anew: how it falls depends on where it points, and how much a joint counts on
+/// how far it is off.
+const ROUNDS: usize = 8;
 
 /// How a lock carries its weight in its rest curve, under a gravity in head axes, m/s², on a body at rest.
 ///
 /// A rest curve alone does not say how much of the weight the hair holds by itself and how much lies on the
 /// head: any force of the body that pushes outwards is possible wherever hair touches it. Of all of them the
-/// one is taken that leaves the least of two energies, shared out by `likely.straightness` s: what the joints
-/// hold, Σ T²/k, as if the hair had been laid down, not pressed; and what it would take to straighten the natural
-/// shape, Σ k (c + T/k)², c being the bend at rest. Their weighted sum is least where Σ (T + s k c)²/k is.
+/// one is taken that leaves the least of two energies, shared out by the weight s of `likely.natural`: what the joints
+/// hold, Σ T²/k, as if the hair had been laid down, not pressed; and what it would take to bend the natural
+/// shape to the likely one, Σ k (c + T/k − f)², c being the bend at rest and f the likely one. Their
+/// weighted sum is least where Σ (T + s k (c − f))²/k is. The second says nothing of how a lock leaves the scalp.
+/// Where other locks tell how this one falls, f falls as they do, and a joint counts by [`Fall::trust`].
 pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body, likely: &Likely) -> Rest {
-    let Likely { twist, touch, friction, straightness } = *likely;
     let surfaces = Surface::of_body(body, &Pose::identity());
-    let n = lock.n_sticks();
-    let mut ends_m = vec![Vec3::zeros(); n];
-    lock.place(&lock.rest_directions, &mut ends_m);
-    let candidates = candidates(lock, &ends_m, &surfaces, touch.within_m, friction);
-    let weight: Vec<Vec3> = lock.masses_kg.iter().map(|m| gravity * *m).collect();
-    let weight_torques = joint_torques(lock, &weight, twist);
-    let unit_torques: Vec<Vec<Vec3>> = candidates
-        .iter()
-        .map(|c| {
-            let mut push = vec![Vec3::zeros(); n];
-            push[c.stick] = c.normal + c.along;
-            joint_torques(lock, &push, twist)
-        })
-        .collect();
-    let wished: Vec<Vec3> = weight_torques
-        .iter()
-        .enumerate()
-        .map(|(j, torque)| torque + rest_bend(lock, j) * (straightness * lock.joint_stiffness[j]))
-        .collect();
-    let forces = bearing_forces(lock, &wished, &unit_torques);
-    let mut torques = weight_torques;
+    let candidates = candidates(lock, &surfaces, likely);
+    let weight_torques = joint_torques(lock, &weight_on_points(lock, gravity), likely.twist);
+    let unit_torques: Vec<Vec<Vec3>> =
+        candidates.iter().map(|candidate| unit_torques(lock, candidate, likely.twist)).collect();
+    let mut search = Search::new(lock, &weight_torques, &unit_torques, likely.natural.weight());
+    let mut borne = search.most_likely();
+    if let Natural::Falling(fall) = likely.natural
+        && !candidates.is_empty()
+        && lock.joint_stiffness.iter().all(|k| *k > 0.0)
+    {
+        let mut as_it_falls = falls(lock, &borne.torques, gravity);
+        for _ in 0..ROUNDS {
+            search.expect(&fall, &as_it_falls, &borne.torques);
+            borne = search.most_likely();
+            let found = falls(lock, &borne.torques, gravity);
+            as_it_falls.iter_mut().zip(found).for_each(|(fall, found)| *fall = (*fall + found) * 0.5);
+        }
+    }
+    let Borne { torques, forces_n } = borne;
+    let bearings = bearings(&candidates, &forces_n);
+    let clearances_m = clearances(&lock.rest_points()[1..], &surfaces, &bearings, likely.touch.radius_m);
+    Rest { torques, bearings, clearances_m }
+}
+
+/// A lock's weight, N: a force on the end of every stick.
+pub(crate) fn weight_on_points(lock: &Lock, gravity: Vec3) -> Vec<Vec3> {
+    lock.masses_kg.iter().map(|m| gravity * *m).collect()
+}
+
+/// What a body's push of 1 N asks of each joint, N·m.
+fn unit_torques(lock: &Lock, candidate: &Candidate, twist: Twist) -> Vec<Vec3> {
+    let mut forces = vec![Vec3::zeros(); lock.n_sticks()];
+    for (stick, share) in candidate.on_ends() {
+        forces[stick] = candidate.force() * share;
+    }
+    joint_torques(lock, &forces, twist)
+}
+
+/// What the body bears at each point, by its forces in all ways in which it may.
+fn bearings(candidates: &[Candidate], forces: &[f64]) -> Vec<Bearing> {
     let mut bearings: Vec<Bearing> = Vec::new();
-    for ((candidate, unit), force_n) in candidates.iter().zip(&unit_torques).zip(forces) {
-        if force_n > 0.0 {
-            let Candidate { collider, stick, along, .. } = *candidate;
-            torques.iter_mut().zip(unit).for_each(|(sum, t)| *sum += t * force_n);
-            // The ways in which one point may be borne follow one another.
-            match bearings.last_mut().filter(|b| b.collider == collider && b.stick == stick) {
+    for (candidate, force_n) in candidates.iter().zip(forces).filter(|(_, force_n)| **force_n > 0.0) {
+        let Candidate { collider, along, .. } = *candidate;
+        for (stick, share) in candidate.on_ends() {
+            let (force_n, rub_n) = (force_n * share, along * *force_n * share);
+            match bearings.iter_mut().find(|b| b.collider == collider && b.stick == stick) {
                 Some(bearing) => {
                     bearing.force_n += force_n;
-                    bearing.rub_n += along * force_n;
+                    bearing.rub_n += rub_n;
                 }
-                None => bearings.push(Bearing { collider, stick, force_n, rub_n: along * force_n }),
+                None => bearings.push(Bearing { collider, stick, force_n, rub_n }),
             }
         }
     }
-    let clearances_m = clearances(&ends_m, &surfaces, &bearings, touch.radius_m);
-    Rest { torques, bearings, clearances_m }
+    bearings
 }
 
 /// Torque that each joint must hold against a force on the end of every stick.
@@ -186,66 +128,79 @@ pub fn joint_torques(lock: &Lock, forces: &[Vec3], twist: Twist) -> Vec<Vec3> {
     torques
 }
 
-/// The bend of a joint at rest, a rotation vector, head axes. The joint at the root is straight as it grows.
-fn rest_bend(lock: &Lock, joint: usize) -> Vec3 {
-    let directions = &lock.rest_directions;
-    if joint == 0 { Vec3::zeros() } else { shortest_turn(directions[joint - 1], directions[joint]) }
+/// The search for the forces ≥ 0 of a body that are most likely.
+struct Search<'a> {
+    lock: &'a Lock,
+    /// What the weight asks of each joint, N·m.
+    weight_torques: &'a [Vec3],
+    /// What 1 N of each force asks of each joint.
+    units: &'a [Vec<Vec3>],
+    /// How much the natural shape counts.
+    natural_weight: f64,
+    /// The likely bend of each joint without load, a rotation vector.
+    bends: Vec<Vec3>,
+    /// By joint, 1/(N·m): what the square of its torque costs.
+    costs: Vec<f64>,
 }
 
-/// A way in which a point may be borne: by 1 N outwards, and what friction adds to it along the surface.
-struct Candidate {
-    collider: usize,
-    stick: usize,
-    normal: Vec3,
-    along: Vec3,
+/// What a body bears, and what is left for the joints.
+struct Borne {
+    /// N·m.
+    torques: Vec<Vec3>,
+    /// Of each way to bear, N.
+    forces_n: Vec<f64>,
 }
 
-/// With friction, each point may be borne in four ways: the edges of a pyramid within Coulomb's cone.
-fn candidates(
-    lock: &Lock,
-    ends_m: &[Vec3],
-    surfaces: &[Surface],
-    within_m: f64,
-    friction: f64,
-) -> Vec<Candidate> {
-    let mut points = Vec::new();
-    for (collider, surface) in surfaces.iter().enumerate() {
-        for (stick, end) in ends_m.iter().enumerate() {
-            if let Some(gap) = surface.gap_within(*end, within_m) {
-                points.push((collider, stick, gap.normal));
-            }
+impl<'a> Search<'a> {
+    /// For a natural shape that is straight.
+    fn new(lock: &'a Lock, weight_torques: &'a [Vec3], units: &'a [Vec<Vec3>], natural_weight: f64) -> Self {
+        // A lock without any stiffness is judged by torque alone.
+        let cost = |k: &f64| if *k > 0.0 { 1.0 / k } else { 1.0 };
+        let mut costs: Vec<f64> = lock.joint_stiffness.iter().map(cost).collect();
+        costs[0] *= 1.0 - natural_weight;
+        Self {
+            lock,
+            weight_torques,
+            units,
+            natural_weight,
+            bends: vec![Vec3::zeros(); lock.n_sticks()],
+            costs,
         }
     }
-    let stride = points.len().div_ceil(MAX_CANDIDATES).max(1);
-    let ways = |(collider, stick, normal): (usize, usize, Vec3)| {
-        let across = across(normal, lock.rest_directions[stick]) * friction;
-        let beside = across.cross(&normal);
-        let edges = if friction > 0.0 { vec![across, -across, beside, -beside] } else { vec![across] };
-        edges.into_iter().map(move |along| Candidate { collider, stick, normal, along })
-    };
-    points.into_iter().step_by(stride).flat_map(ways).collect()
-}
 
-/// A unit vector along a surface, across the stick that lies on it.
-fn across(normal: Vec3, direction: Vec3) -> Vec3 {
-    let across = direction.cross(&normal);
-    if across.norm() > 1e-3 { across.normalize() } else { any_perpendicular(normal) }
-}
-
-/// The forces ≥ 0 that leave the least Σ torque²/stiffness, with those that are there without them.
-fn bearing_forces(lock: &Lock, without: &[Vec3], units: &[Vec<Vec3>]) -> Vec<f64> {
-    if units.is_empty() {
-        return Vec::new();
+    /// Expects a natural shape that falls, and joints as far off as they are with these torques.
+    fn expect(&mut self, fall: &Fall, as_it_falls: &[Vec3], torques: &[Vec3]) {
+        for j in 1..self.lock.n_sticks() {
+            let expected = as_it_falls[j] * fall.rate_per_m;
+            self.bends[j] = expected * bends_over_m(self.lock, j);
+            let off = curvature(self.lock, torques, j) - expected;
+            self.costs[j] = fall.trust(off) / self.lock.joint_stiffness[j];
+        }
     }
-    // A lock without any stiffness is judged by torque alone.
-    let softness: Vec<f64> =
-        lock.joint_stiffness.iter().map(|k| if *k > 0.0 { 1.0 / k } else { 1.0 }).collect();
-    let dot = |a: &[Vec3], b: &[Vec3]| -> f64 {
-        a.iter().zip(b).zip(&softness).map(|((a, b), soft)| a.dot(b) * soft).sum()
-    };
-    let g = DMatrix::from_fn(units.len(), units.len(), |r, c| dot(&units[r], &units[c]));
-    let b = DVector::from_fn(units.len(), |r, _| -dot(&units[r], without));
-    nonnegative_least_squares(&g, &b).iter().copied().collect()
+
+    fn most_likely(&self) -> Borne {
+        let Self { lock, weight_torques, units, .. } = self;
+        let wished: Vec<Vec3> = (0..lock.n_sticks())
+            .map(|j| {
+                let bend = rest_bend(lock, j) - self.bends[j];
+                weight_torques[j] + bend * (self.natural_weight * lock.joint_stiffness[j])
+            })
+            .collect();
+        let products =
+            DMatrix::from_fn(units.len(), units.len(), |r, c| dot(&units[r], &units[c], &self.costs));
+        let b = DVector::from_fn(units.len(), |r, _| -dot(&units[r], &wished, &self.costs));
+        let forces_n: Vec<f64> = nonnegative_least_squares(&products, &b).iter().copied().collect();
+        let mut torques = weight_torques.to_vec();
+        for (unit, force_n) in units.iter().zip(&forces_n) {
+            torques.iter_mut().zip(unit).for_each(|(sum, t)| *sum += t * *force_n);
+        }
+        Borne { torques, forces_n }
+    }
+}
+
+/// The sum of two torques' products over all joints, at a joint's cost.
+fn dot(a: &[Vec3], b: &[Vec3], costs: &[f64]) -> f64 {
+    a.iter().zip(b).zip(costs).map(|((a, b), cost)| a.dot(b) * cost).sum()
 }
 
 /// A point may come as near as it lies at rest, or as the lock's own radius allows, whichever is nearer. The
@@ -270,7 +225,9 @@ fn clearances(ends_m: &[Vec3], surfaces: &[Surface], bearings: &[Bearing], radiu
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::likely::{Bears, Touch};
     use crate::lock::tests::straight;
+    use crate::natural::tests::falling;
     use tousle_core::{Attachment, Collider, Shape};
 
     const DOWN: Vec3 = Vec3::new(0.0, 0.0, -9.81);
@@ -304,5 +261,41 @@ mod tests {
         assert!((borne / weight - 1.0).abs() < 1e-3, "{borne} of {weight}");
         assert!(rest.torques.iter().all(|t| t.norm() < 1e-8), "{:?}", rest.torques);
         assert!(rest.clearances_m.iter().all(|c| (c - 2e-3).abs() < 1e-5));
+    }
+
+    /// Where other locks tell how this one falls, it is known how hard a ball holds its middle up.
+    #[test]
+    fn a_falling_lock_tells_what_bears_it() {
+        const STICK: usize = 10;
+        const HALF_N: f64 = 2e-4;
+        const WIDTH_M: f64 = 4e-3;
+        let mut forces = vec![Vec3::zeros(); 20];
+        // The force stands on its stick, which turns with it.
+        let mut normal = Vec3::z();
+        for _ in 0..30 {
+            (forces[STICK - 1], forces[STICK]) = (normal * HALF_N, normal * HALF_N);
+            let direction = falling(Vec3::x(), 3e-5, &forces).rest_directions[STICK];
+            normal = Vec3::y().cross(&direction) * -1.0;
+        }
+        let lock = falling(Vec3::x(), 3e-5, &forces);
+        let points = lock.rest_points();
+        let middle = 0.5 * (points[STICK] + points[STICK + 1]);
+        let center_m = middle - normal * (0.01 + 0.5 * WIDTH_M);
+        let ball = Shape::Ellipsoid { center_m, half_axes_m: Vec3::repeat(0.01) };
+        let body = Body {
+            colliders: vec![Collider { name: "ball".into(), shape: ball, attachment: Attachment::Head }],
+            ..Body::none()
+        };
+        let force = |natural: Natural| {
+            let touch = Touch { within_m: 0.6 * WIDTH_M, radius_m: 0.5 * WIDTH_M };
+            let likely = Likely { twist: Twist::Held, bears: Bears::Sticks, touch, friction: 0.0, natural };
+            let rest = rest_state(&lock, DOWN, &body, &likely);
+            assert!(rest.bearings.iter().all(|b| b.stick == STICK || b.stick == STICK - 1));
+            rest.bearings.iter().map(|b| b.force_n).sum::<f64>()
+        };
+        let fall = Fall { rate_per_m: 10.0, curl_per_m: 1.0 };
+        let (falling, straight) = (force(Natural::Falling(fall)), force(Natural::HALF_STRAIGHT));
+        assert!((falling / (2.0 * HALF_N) - 1.0).abs() < 1e-2, "{falling}");
+        assert!((straight / (2.0 * HALF_N) - 1.0).abs() > 0.1, "{straight}");
     }
 }

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use tousle_core::{HeadCapture, Pose, Progress, Session, Vec3};
 use tousle_flow::{AirFlow, AirState, N_STREAM, Stream, SwirlKernel, SwirlModes};
-use tousle_rod::{DragLaw, Likely, Rest, Surface, Touch, rest_state};
+use tousle_rod::{DragLaw, Rest, Style, Surface, rest_state};
 
 /// What is to be explained.
 pub(crate) struct Problem<'a> {
@@ -149,10 +149,10 @@ impl Surroundings {
         let Problem { locks, session, rest_pose, .. } = problem;
         let gravity = rest_pose.rotation.inverse() * problem.gravity_world;
         let rods: Vec<_> = locks.iter().map(|seen| seen.lock.clone()).collect();
-        let by_rest = Touch::by_rest(&rods, &session.body);
+        // What a marker's lock is made of is only taken for likely: that does not tell how its natural shape falls.
+        let style = Style::of(&rods, |_| false, gravity, &session.body);
         let rest = |seen: &SeenLock| {
-            let touch = by_rest.unwrap_or_else(|| Touch::by_width(&seen.lock));
-            let likely = Likely { touch, ..Likely::hair(&seen.lock, &session.body) };
+            let likely = style.likely(&seen.lock, &session.body);
             problem.still.map(|_| rest_state(&seen.lock, gravity, &session.body, &likely))
         };
         Self {

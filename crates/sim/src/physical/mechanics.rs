@@ -19,7 +19,7 @@ use crate::{Integrator, Precision, SimOptions};
 use rayon::prelude::*;
 use tousle_core::{Assumption, Attachment, Pose, Quantity, Strand, Vec3};
 use tousle_field::{Reading, Sampler, Scene};
-use tousle_rod::{DragLaw, Likely, Lock, Support, Surface, Touch, hold_rest, rest_state};
+use tousle_rod::{DragLaw, Lock, Style, Support, Surface, hold_rest, rest_state};
 
 /// What all strands of a run share, and how they are stepped.
 #[derive(Clone, Copy, Debug)]
@@ -85,12 +85,10 @@ impl Mechanics for Physical {
         let Setting { scene, groom, options, .. } = setting;
         let (gravity, law) = (timeline.gravity_at_rest(), setting.law());
         let locks: Vec<Lock> = groom.strands.iter().map(Lock::new).collect();
-        let touch = Touch::by_rest(&locks, &scene.body);
+        let style = Style::of(&locks, |i| !groom.strands[i].holds_style, gravity, &scene.body);
         let surfaces = Surface::of_body(&scene.body, &Pose::identity());
         let prepare = |(mut lock, strand): (Lock, &Strand)| {
-            let likely = Likely::hair(&lock, &scene.body);
-            let likely = Likely { touch: touch.unwrap_or(likely.touch), ..likely };
-            let rest = rest_state(&lock, gravity, &scene.body, &likely);
+            let rest = rest_state(&lock, gravity, &scene.body, &style.likely(&lock, &scene.body));
             let stiffened = if strand.holds_style {
                 let support = Support { surfaces: &surfaces, stiffness: contact_stiffness(&lock) };
                 hold_rest(&mut lock, &rest, gravity, &support)

@@ -1,0 +1,131 @@
+use crate::contact::Surface;
+use crate::lock::Lock;
+use crate::natural::{Fall, Natural};
+use crate::touching::nearest_place;
+use tousle_core::{Body, Pose, Vec3};
+
+/// What a joint does against a turn of its stick about the stick itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Twist {
+    /// Nothing: the lock is free to roll, and the moment about a stick goes nowhere.
+    Free,
+    /// It holds the moment as it does across the stick: an elastic rod.
+    Held,
+}
+
+/// What of a lock lies on a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bears {
+    /// Its points.
+    Points,
+    /// Its sticks, wherever along them they come nearest; but for the first, which grows out of the body.
+    Sticks,
+}
+
+/// How near to a body hair comes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// What is at rest so near to a surface, counted from the center line, may be borne by it, m.
+    pub within_m: f64,
+    /// How near a center line may come that is not borne at rest, m.
+    pub radius_m: f64,
+}
+
+impl Touch {
+    /// How much farther out than the radius a stick at rest may be borne: rest curves are off by a tenth of it.
+    const REACH: f64 = 1.2;
+
+    /// Judged by a lock's width alone.
+    pub fn by_width(lock: &Lock) -> Self {
+        Self { within_m: lock.width_m, radius_m: 0.5 * lock.width_m }
+    }
+
+    /// Judged by how near the locks of a hairstyle come to the body at rest: those that lie on it show how thick hair
+    /// is to a surface, whatever it is to the wind. `None` where no lock comes near, or where they lie inside.
+    ///
+    /// The radius is the gap that a twentieth of the locks that come near fall short of.
+    fn by_rest(locks: &[Lock], surfaces: &[Surface]) -> Option<Self> {
+        let mut nearest: Vec<f64> = locks.iter().filter_map(|lock| nearest_gap(lock, surfaces)).collect();
+        nearest.sort_by(f64::total_cmp);
+        let radius_m = *nearest.get(nearest.len() / 20)?;
+        (radius_m > 0.0).then_some(Self { within_m: Self::REACH * radius_m, radius_m })
+    }
+}
+
+/// The least gap of a lock beyond its first stick, within a width of a surface.
+fn nearest_gap(lock: &Lock, surfaces: &[Surface]) -> Option<f64> {
+    let points_m = lock.rest_points();
+    let gaps = surfaces.iter().flat_map(|surface| {
+        let near = |stick| nearest_place(surface, &points_m, stick, lock.width_m);
+        (1..lock.n_sticks()).filter_map(near).map(|place| place.gap.distance_m)
+    });
+    gaps.reduce(f64::min)
+}
+
+/// What the locks of a hairstyle tell of one another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Style {
+    /// How near they come to the body; `None` where none comes near.
+    touch: Option<Touch>,
+    /// How their natural shapes fall; `None` where too few hang free to tell.
+    fall: Option<Fall>,
+}
+
+impl Style {
+    /// Judged by the locks that hang still under a gravity in head axes, m/s². Only those are asked how
+    /// natural shapes fall whose own stiffness `is_known`.
+    pub fn of(locks: &[Lock], is_known: impl Fn(usize) -> bool, gravity: Vec3, body: &Body) -> Self {
+        let surfaces = Surface::of_body(body, &Pose::identity());
+        let touch = Touch::by_rest(locks, &surfaces);
+        let is_free = |lock: &Lock| {
+            let within_m = touch.map_or(lock.width_m, |touch| touch.within_m);
+            let points_m = lock.rest_points();
+            let touches = |surface: &Surface| {
+                (1..lock.n_sticks()).any(|j| nearest_place(surface, &points_m, j, within_m).is_some())
+            };
+            !surfaces.iter().any(touches)
+        };
+        let free = locks.iter().enumerate().filter(|(i, lock)| is_known(*i) && is_free(lock));
+        Self { touch, fall: Fall::of(free.map(|(_, lock)| lock), gravity) }
+    }
+
+    /// What is likely of one of its locks, held by joints that resist twist, on a body that rubs: for measuring and
+    /// for simulating alike.
+    pub fn likely(&self, lock: &Lock, body: &Body) -> Likely {
+        Likely {
+            twist: Twist::Held,
+            bears: Bears::Sticks,
+            touch: self.touch.unwrap_or_else(|| Touch::by_width(lock)),
+            friction: body.friction,
+            natural: self.fall.map_or(Natural::HALF_STRAIGHT, Natural::Falling),
+        }
+    }
+}
+
+/// What is taken to be likely of a lock that hangs still, where its rest curve leaves it open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Likely {
+    /// What its joints do against twist.
+    pub twist: Twist,
+    /// What of it may be borne.
+    pub bears: Bears,
+    /// How near it must be to the body to be borne.
+    pub touch: Touch,
+    /// Coulomb's coefficient up to which the body holds it along its surface, ≥ 0.
+    pub friction: f64,
+    /// What shape it would have without load.
+    pub natural: Natural,
+}
+
+impl Likely {
+    /// A lock whose joints hold as little as can be, on a smooth body that bears its points, near by its own width.
+    pub fn smooth(lock: &Lock, twist: Twist) -> Self {
+        Self {
+            twist,
+            bears: Bears::Points,
+            touch: Touch::by_width(lock),
+            friction: 0.0,
+            natural: Natural::Straight(0.0),
+        }
+    }
+}
