@@ -116,13 +116,13 @@ pub(crate) fn falls(lock: &Lock, torques: &[Vec3], gravity: Vec3) -> Vec<Vec3> {
     let let_go = |j: usize| torques[j] / lock.joint_stiffness[j];
     // From rest to the natural shape.
     let mut turn = UnitQuaternion::from_scaled_axis(let_go(0));
-    for j in 1..lock.n_sticks() {
+    for (j, fall) in falls.iter_mut().enumerate().skip(1) {
         let [before, direction] = [lock.rest_directions[j - 1], lock.rest_directions[j]];
         let from = turn * before;
         turn *= UnitQuaternion::from_scaled_axis(rest_bend(lock, j) + let_go(j))
             * shortest_rotation(before, direction).inverse();
         let middle = (from + turn * direction).normalize();
-        falls[j] = turn.inverse() * middle.cross(&down);
+        *fall = turn.inverse() * middle.cross(&down);
     }
     falls
 }

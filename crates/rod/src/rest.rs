@@ -170,8 +170,8 @@ impl<'a> Search<'a> {
 
     /// Expects a natural shape that falls, and joints as far off as they are with these torques.
     fn expect(&mut self, fall: &Fall, as_it_falls: &[Vec3], torques: &[Vec3]) {
-        for j in 1..self.lock.n_sticks() {
-            let expected = as_it_falls[j] * fall.rate_per_m;
+        for (j, as_it_falls) in as_it_falls.iter().enumerate().skip(1) {
+            let expected = as_it_falls * fall.rate_per_m;
             self.bends[j] = expected * bends_over_m(self.lock, j);
             let off = curvature(self.lock, torques, j) - expected;
             self.costs[j] = fall.trust(off) / self.lock.joint_stiffness[j];
