@@ -121,8 +121,10 @@ pub(crate) fn falls(lock: &Lock, torques: &[Vec3], gravity: Vec3) -> Vec<Vec3> {
         let from = turn * before;
         turn *= UnitQuaternion::from_scaled_axis(rest_bend(lock, j) + let_go(j))
             * shortest_rotation(before, direction).inverse();
-        let middle = (from + turn * direction).normalize();
-        *fall = turn.inverse() * middle.cross(&down);
+        // Hair all but without stiffness lets go by more turns than can be counted: it points nowhere.
+        if let Some(middle) = (from + turn * direction).try_normalize(1e-9) {
+            *fall = turn.inverse() * middle.cross(&down);
+        }
     }
     falls
 }
@@ -213,6 +215,14 @@ pub(crate) mod tests {
             assert!((fall.rate_per_m - 10.0).abs() < 0.05, "{stiffness}: {fall:?}");
             assert!(fall.curl_per_m < 0.1, "{stiffness}: {fall:?}");
         }
+    }
+
+    #[test]
+    fn hair_without_stiffness_points_nowhere() {
+        let mut lock = falling(Vec3::x(), 1e-4, &[]);
+        lock.joint_stiffness.fill(1e-300);
+        let torques = joint_torques(&lock, &weight_on_points(&lock, DOWN), Twist::Held);
+        assert!(falls(&lock, &torques, DOWN).iter().all(|fall| fall.iter().all(|x| x.is_finite())));
     }
 
     #[test]
