@@ -37,7 +37,7 @@ pub struct Fall {
     /// The rate, 1/m.
     pub rate_per_m: f64,
     /// How much curls add in each direction across the lock, 1/m: the scale of a t distribution with
-    /// [`Fall::FREEDOM`] degrees of freedom.
+    /// four degrees of freedom.
     pub curl_per_m: f64,
 }
 
