@@ -105,7 +105,11 @@ fn print(verdict: &Verdict) {
         None => return,
     };
     let (n, sound) = (findings.len(), if verdict.is_sound() { "sound" } else { "NOT SOUND" });
-    println!("{}: {sound}{}", verdict.file, if n == 0 { String::new() } else { format!(", {n} findings") });
+    println!(
+        "{}: {sound}{}",
+        verdict.file,
+        if n == 0 { String::new() } else { format!(", {n} finding{}", if n == 1 { "" } else { "s" }) }
+    );
     for finding in findings {
         println!("  {finding}");
     }
