@@ -113,7 +113,9 @@ pub(crate) fn curvature(lock: &Lock, torques: &[Vec3], joint: usize) -> Vec3 {
 pub(crate) fn falls(lock: &Lock, torques: &[Vec3], gravity: Vec3) -> Vec<Vec3> {
     let mut falls = vec![Vec3::zeros(); lock.n_sticks()];
     let Some(down) = gravity.try_normalize(0.0) else { return falls };
-    let let_go = |j: usize| torques[j] / lock.joint_stiffness[j];
+    // Hair all but without stiffness lets go by more turns than can be counted, and is left as it lies.
+    let let_go =
+        |j: usize| Some(torques[j] / lock.joint_stiffness[j]).filter(is_countable).unwrap_or_default();
     // From rest to the natural shape.
     let mut turn = UnitQuaternion::from_scaled_axis(let_go(0));
     for (j, fall) in falls.iter_mut().enumerate().skip(1) {
@@ -121,12 +123,16 @@ pub(crate) fn falls(lock: &Lock, torques: &[Vec3], gravity: Vec3) -> Vec<Vec3> {
         let from = turn * before;
         turn *= UnitQuaternion::from_scaled_axis(rest_bend(lock, j) + let_go(j))
             * shortest_rotation(before, direction).inverse();
-        // Hair all but without stiffness lets go by more turns than can be counted: it points nowhere.
         if let Some(middle) = (from + turn * direction).try_normalize(1e-9) {
             *fall = turn.inverse() * middle.cross(&down);
         }
     }
     falls
+}
+
+/// Whether a rotation vector is short enough to tell where it leads.
+fn is_countable(turn: &Vec3) -> bool {
+    turn.amax() < 1e6
 }
 
 /// The bend of a joint at rest, a rotation vector, head axes. The joint at the root is straight as it grows.
@@ -218,7 +224,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn hair_without_stiffness_points_nowhere() {
+    fn hair_without_stiffness_is_left_as_it_lies() {
         let mut lock = falling(Vec3::x(), 1e-4, &[]);
         lock.joint_stiffness.fill(1e-300);
         let torques = joint_torques(&lock, &weight_on_points(&lock, DOWN), Twist::Held);
