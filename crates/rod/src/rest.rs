@@ -15,6 +15,8 @@ pub struct Rest {
     ///
     /// Against the joint's stiffness it is the turn by which the natural, force-free shape is bent the other way.
     pub torques: Vec<Vec3>,
+    /// The shape without load that was taken for likely, which tells what the body bears.
+    pub likely: Natural,
     /// Where the body bears the lock.
     pub bearings: Vec<Bearing>,
     /// How near the point at the end of each stick comes to each collider, m, from center line to surface:
@@ -71,7 +73,7 @@ pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body, likely: &Likely) -> R
     let Borne { torques, forces_n } = borne;
     let bearings = bearings(&candidates, &forces_n);
     let clearances_m = clearances(&lock.rest_points()[1..], &surfaces, &bearings, likely.touch.radius_m);
-    Rest { torques, bearings, clearances_m }
+    Rest { torques, likely: likely.natural, bearings, clearances_m }
 }
 
 /// A lock's weight, N: a force on the end of every stick.

@@ -95,7 +95,7 @@ pub(crate) trait Mechanics: Copy + Debug + Send + Sync + 'static {
     fn total(count: Count, n_steps: usize) -> Count;
 
     /// What was assumed so that the strands hang as they do.
-    fn assumed(_strands: &[Prepared<Self::Shape>]) -> Option<Assumption> {
-        None
+    fn assumed(_strands: &[Prepared<Self::Shape>]) -> Vec<Assumption> {
+        Vec::new()
     }
 }

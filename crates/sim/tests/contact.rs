@@ -120,6 +120,24 @@ fn hair_that_rests_inside_the_body_does_not_jump() {
     );
 }
 
+/// What bears a lock is a guess, and said: by the free ones, where there are enough of them, and else by itself.
+#[test]
+fn what_bears_hair_is_told_by_hair_that_hangs_free() {
+    let free = |k: u32| straight(Vec3::new(0.2, 0.01 * f64::from(k), 0.0), Vec3::x(), 0.1, 10);
+    let said = |n_free: u32| {
+        let strands = core::iter::once(over_the_head()).chain((0..n_free).map(free)).collect();
+        let assumed =
+            run(&still_air(), &mannequin(), strands, &common::physical(Integrator::Implicit, 0.01, 0.1))
+                .unwrap()
+                .report
+                .assumed;
+        let bears = assumed.into_iter().find(|a| a.what.starts_with("what the body bears of 1 of"));
+        bears.unwrap().value
+    };
+    assert!(said(1).contains("as likely straight"), "{}", said(1));
+    assert!(said(5).contains("as that of the free strands"), "{}", said(5));
+}
+
 /// Without a body nothing is said to be touched; with one out of reach neither.
 #[test]
 fn what_cannot_be_reached_is_left_out() {

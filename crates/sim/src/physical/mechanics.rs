@@ -19,7 +19,7 @@ use crate::{Integrator, Precision, SimOptions};
 use rayon::prelude::*;
 use tousle_core::{Assumption, Attachment, Pose, Quantity, Strand, Vec3};
 use tousle_field::{Reading, Sampler, Scene};
-use tousle_rod::{DragLaw, Lock, Style, Support, Surface, hold_rest, rest_state};
+use tousle_rod::{DragLaw, Lock, Natural, Style, Support, Surface, hold_rest, rest_state};
 
 /// What all strands of a run share, and how they are stepped.
 #[derive(Clone, Copy, Debug)]
@@ -209,20 +209,43 @@ impl Mechanics for Physical {
         count
     }
 
-    /// That styles stay up.
-    fn assumed(strands: &[Prepared]) -> Option<Assumption> {
-        let times = strands.iter().map(|p| p.shape.stiffened);
-        let mut stiffened: Vec<f64> = times.filter(|times| *times > 1.0).collect();
-        stiffened.sort_by(f64::total_cmp);
-        let (n, most) = (stiffened.len(), *stiffened.last()?);
-        Some(Assumption {
-            what: format!("bending stiffness of {n} of {} strands, where they lean out", strands.len()),
-            value: format!(
-                "up to {:.0} times that of their hairs in the median strand, {most:.0} in any",
-                stiffened[n / 2]
-            ),
-            why: "their style would fall by itself: in life it rests on neighbors, which are not felt here"
-                .to_owned(),
-        })
+    /// What the body bears, and that styles stay up.
+    fn assumed(strands: &[Prepared]) -> Vec<Assumption> {
+        borne_as(strands).into_iter().chain(stiffened(strands)).collect()
     }
+}
+
+/// What was taken for likely of the strands that the body bears.
+fn borne_as(strands: &[Prepared]) -> Option<Assumption> {
+    let borne: Vec<&Prepared> = strands.iter().filter(|p| !p.rest.bearings.is_empty()).collect();
+    let value = match borne.first()?.rest.likely {
+        Natural::Falling(fall) => format!(
+            "by itself their hair bends down as that of the free strands: {:.1}/m times the sine of its angle with the \
+             vertical, give or take curls of {:.1}/m",
+            fall.rate_per_m, fall.curl_per_m
+        ),
+        Natural::Straight(_) => "their hair is as likely straight by itself as it is without load".to_owned(),
+    };
+    Some(Assumption {
+        what: format!("what the body bears of {} of {} strands", borne.len(), strands.len()),
+        value,
+        why: "how a strand rests does not say how hard it lies on the body".to_owned(),
+    })
+}
+
+/// By how much joints were made stiffer so that styles stay up.
+fn stiffened(strands: &[Prepared]) -> Option<Assumption> {
+    let times = strands.iter().map(|p| p.shape.stiffened);
+    let mut stiffened: Vec<f64> = times.filter(|times| *times > 1.0).collect();
+    stiffened.sort_by(f64::total_cmp);
+    let (n, most) = (stiffened.len(), *stiffened.last()?);
+    Some(Assumption {
+        what: format!("bending stiffness of {n} of {} strands, where they lean out", strands.len()),
+        value: format!(
+            "up to {:.0} times that of their hairs in the median strand, {most:.0} in any",
+            stiffened[n / 2]
+        ),
+        why: "their style would fall by itself: in life it rests on neighbors, which are not felt here"
+            .to_owned(),
+    })
 }
