@@ -1,8 +1,8 @@
 //! The mechanics of one lock: its shape at rest, bending, drag, contact. Measuring and simulating share it.
 //!
 //! [`Lock`] is a strand as a chain of sticks with its mass and its joints; [`rest_state`] says how it carries
-//! its weight when it hangs still, judged by its [`Style`], and [`hold_rest`] makes it stay there; [`DragLaw`] is what the air does to it,
-//! [`Surface`] what it can touch.
+//! its weight when it hangs still, judged by its [`Style`], and [`hold_rest`] makes it stay there; [`DragLaw`] is what the air
+//! does to it, [`Surface`] what it can touch.
 //!
 //! *Invariant:* nothing here steps through time or knows a grid.
 

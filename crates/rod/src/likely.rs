@@ -32,7 +32,8 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// How much farther out than the radius a stick at rest may be borne: rest curves are off by a tenth of it.
+    /// How much farther out than the radius a stick at rest may be borne. What lies on the head of the development
+    /// captures is within a tenth of one distance.
     const REACH: f64 = 1.2;
 
     /// Judged by a lock's width alone.
@@ -45,18 +46,19 @@ impl Touch {
     ///
     /// The radius is the gap that a twentieth of the locks that come near fall short of.
     fn by_rest(locks: &[Lock], surfaces: &[Surface]) -> Option<Self> {
-        let mut nearest: Vec<f64> = locks.iter().filter_map(|lock| nearest_gap(lock, surfaces)).collect();
+        let mut nearest: Vec<f64> =
+            locks.iter().filter_map(|lock| nearest_gap(lock, surfaces, lock.width_m)).collect();
         nearest.sort_by(f64::total_cmp);
         let radius_m = *nearest.get(nearest.len() / 20)?;
         (radius_m > 0.0).then_some(Self { within_m: Self::REACH * radius_m, radius_m })
     }
 }
 
-/// The least gap of a lock beyond its first stick, within a width of a surface.
-fn nearest_gap(lock: &Lock, surfaces: &[Surface]) -> Option<f64> {
+/// The least gap of a lock beyond its first stick, if it comes within so much of a surface.
+fn nearest_gap(lock: &Lock, surfaces: &[Surface], within_m: f64) -> Option<f64> {
     let points_m = lock.rest_points();
     let gaps = surfaces.iter().flat_map(|surface| {
-        let near = |stick| nearest_place(surface, &points_m, stick, lock.width_m);
+        let near = |stick| nearest_place(surface, &points_m, stick, within_m);
         (1..lock.n_sticks()).filter_map(near).map(|place| place.gap.distance_m)
     });
     gaps.reduce(f64::min)
@@ -79,11 +81,7 @@ impl Style {
         let touch = Touch::by_rest(locks, &surfaces);
         let is_free = |lock: &Lock| {
             let within_m = touch.map_or(lock.width_m, |touch| touch.within_m);
-            let points_m = lock.rest_points();
-            let touches = |surface: &Surface| {
-                (1..lock.n_sticks()).any(|j| nearest_place(surface, &points_m, j, within_m).is_some())
-            };
-            !surfaces.iter().any(touches)
+            nearest_gap(lock, &surfaces, within_m).is_none()
         };
         let free = locks.iter().enumerate().filter(|(i, lock)| is_known(*i) && is_free(lock));
         Self { touch, fall: Fall::of(free.map(|(_, lock)| lock), gravity) }

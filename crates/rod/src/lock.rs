@@ -99,6 +99,11 @@ impl Lock {
         self.arcs_m.last().copied().unwrap_or(0.0)
     }
 
+    /// Whether all its joints resist bending: then it has a shape without load.
+    pub(crate) fn is_stiff(&self) -> bool {
+        self.joint_stiffness.iter().all(|k| *k > 0.0)
+    }
+
     /// Its points at rest, from the root, head space, m.
     pub fn rest_points(&self) -> Vec<Vec3> {
         let mut points_m = vec![self.root_m; self.n_sticks() + 1];

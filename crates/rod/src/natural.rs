@@ -86,7 +86,7 @@ struct FreeJoint {
 
 impl FreeJoint {
     fn all(lock: &Lock, gravity: Vec3) -> Vec<Self> {
-        if lock.joint_stiffness.iter().any(|k| *k <= 0.0) {
+        if !lock.is_stiff() {
             return Vec::new();
         }
         let torques = joint_torques(lock, &weight_on_points(lock, gravity), Twist::Held);

@@ -49,7 +49,8 @@ const ROUNDS: usize = 8;
 /// hold, Σ T²/k, as if the hair had been laid down, not pressed; and what it would take to bend the natural
 /// shape to the likely one, Σ k (c + T/k − f)², c being the bend at rest and f the likely one. Their
 /// weighted sum is least where Σ (T + s k (c − f))²/k is. The second says nothing of how a lock leaves the scalp.
-/// Where other locks tell how this one falls, f falls as they do, and a joint counts the less the farther off it is (t distribution).
+/// Where other locks tell how this one falls, f falls as they do, and a joint counts the less the farther off it is
+/// (t distribution).
 pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body, likely: &Likely) -> Rest {
     let surfaces = Surface::of_body(body, &Pose::identity());
     let candidates = candidates(lock, &surfaces, likely);
@@ -60,7 +61,7 @@ pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body, likely: &Likely) -> R
     let mut borne = search.most_likely();
     if let Natural::Falling(fall) = likely.natural
         && !candidates.is_empty()
-        && lock.joint_stiffness.iter().all(|k| *k > 0.0)
+        && lock.is_stiff()
     {
         let mut as_it_falls = falls(lock, &borne.torques, gravity);
         for _ in 0..ROUNDS {

@@ -25,7 +25,7 @@ pub(crate) struct Candidate {
 }
 
 impl Candidate {
-    /// The force on the ends of its stick that does the same as this one: the stick, its share and the force.
+    /// The force on the ends of its stick that does the same as this one: the stick whose far end it is, and its share.
     pub fn on_ends(&self) -> impl Iterator<Item = (usize, f64)> {
         let Place { stick, share, .. } = self.place;
         let near = stick.checked_sub(1).map(|before| (before, 1.0 - share));
