@@ -10,41 +10,34 @@ pub(crate) fn single(point: Vec3) -> [f32; 3] {
     point.map(|c| c as f32).into()
 }
 
-/// Adds points of strands side by side to others, strand after strand: of each as many as it has sticks. `ends`: the far
-/// ends of the sticks, from the root.
-pub(crate) fn put_ends<L: Lane>(
-    ends: impl Iterator<Item = Vector<L>>,
-    n_sticks: &[usize],
-    points: &mut Vec<[f32; 3]>,
-) {
-    L::dispatch(PutEnds { ends, n_sticks, points });
+/// Where the points of strands side by side go, strand after strand: of each as many as it has sticks.
+pub(crate) struct Places<'a> {
+    /// Where each strand's points begin, and how many it has; none in lanes that are not read.
+    strands: [(usize, usize); MOST_LANES],
+    points: &'a mut [[f32; 3]],
 }
 
-/// [`put_ends`], compiled for the lanes' registers.
-struct PutEnds<'a, I> {
-    ends: I,
-    n_sticks: &'a [usize],
-    points: &'a mut Vec<[f32; 3]>,
-}
+impl<'a> Places<'a> {
+    /// Places in as many points as the strands have sticks.
+    pub fn new(n_sticks: &[usize], points: &'a mut [[f32; 3]]) -> Self {
+        let mut strands = [(0, 0); MOST_LANES];
+        let mut first = 0;
+        for (strand, n) in strands.iter_mut().zip(n_sticks) {
+            *strand = (first, *n);
+            first += n;
+        }
+        Self { strands, points }
+    }
 
-impl<L: Lane, I: Iterator<Item = Vector<L>>> NullaryFnOnce for PutEnds<'_, I> {
-    type Output = ();
-
+    /// Puts the far ends of a stick of every strand that has it.
     #[inline(always)]
-    fn call(self) {
-        let Self { ends, n_sticks, points } = self;
-        let first = points.len();
-        points.resize(first + n_sticks.iter().sum::<usize>(), [0.0; 3]);
+    pub fn put<L: Lane>(&mut self, stick: usize, ends: Vector<L>) {
         let mut rows = [[0.0; MOST_LANES]; 3];
-        for (stick, end) in ends.enumerate() {
-            end.put_single(&mut rows, 0);
-            let mut at = first + stick;
-            for (lane, n) in n_sticks.iter().enumerate() {
-                if stick < *n {
-                    // Written out: `map` would be a call for each point.
-                    points[at] = [rows[0][lane], rows[1][lane], rows[2][lane]];
-                }
-                at += n;
+        ends.put_single(&mut rows, 0);
+        for (lane, (first, n)) in self.strands[..L::N].iter().enumerate() {
+            if stick < *n {
+                // Written out: `map` would be a call for each point.
+                self.points[first + stick] = [rows[0][lane], rows[1][lane], rows[2][lane]];
             }
         }
     }

@@ -81,8 +81,8 @@ pub(crate) trait Mechanics: Copy + Debug + Send + Sync + 'static {
         world: &Self::World<'_>,
     );
 
-    /// The far end of every stick, from the root, head space, m.
-    fn ends_m<L: Lane>(batch: &Self::Batch<L>) -> impl Iterator<Item = Vector<L>>;
+    /// Shows the far end of every stick and its number, from the root, head space, m.
+    fn show_ends_m<L: Lane>(batch: &Self::Batch<L>, show: impl FnMut(usize, Vector<L>));
 
     /// Where the strands have asked the field since this was set to a box around nothing; nothing is kept of it while it is
     /// `None`, as at first.

@@ -211,12 +211,14 @@ impl<L: Lane> Batch<L> {
         }
     }
 
-    /// The far end of every stick, head space, m.
-    fn ends_m(&self) -> impl Iterator<Item = Vector<L>> {
-        self.sticks.iter().zip(&self.motions).scan(self.root, |end, (stick, motion)| {
-            *end = motion.direction.mul_add(stick.length, *end);
-            Some(*end)
-        })
+    /// Shows the far end of every stick, from the root, head space, m.
+    #[inline(always)]
+    fn show_ends_m(&self, mut show: impl FnMut(usize, Vector<L>)) {
+        let mut end = self.root;
+        for (k, (stick, motion)) in self.sticks.iter().zip(&self.motions).enumerate() {
+            end = motion.direction.mul_add(stick.length, end);
+            show(k, end);
+        }
     }
 }
 

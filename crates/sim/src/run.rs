@@ -1,13 +1,14 @@
 //! The loop over steps and batches.
 
 use crate::extent::{Extent, Region};
-use crate::frames::put_ends;
+use crate::frames::Places;
 use crate::lane::Lane;
 use crate::mechanics::Mechanics;
 use crate::prepared::Prepared;
 use crate::stability::Limit;
 use crate::timeline::Timeline;
 use core::ops::Range;
+use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tousle_core::Progress;
@@ -104,11 +105,14 @@ impl<M: Mechanics> Run<'_, M> {
         points: &mut Vec<[f32; 3]>,
     ) {
         let per_frame = self.timeline.steps_per_frame;
-        points.clear();
+        let (n_points, steps) = (lanes.n_points(), begin..begin + worlds.len());
+        // In the first block alone it grows.
+        points.resize((steps.end / per_frame - steps.start / per_frame) * n_points, [0.0; 3]);
+        let mut frames = points.chunks_exact_mut(n_points);
         for (k, world) in worlds.iter().enumerate() {
             self.mechanics.step(&mut lanes.batch, work, world);
             if (begin + k + 1).is_multiple_of(per_frame) {
-                lanes.put_points(points);
+                lanes.put_points(frames.next().expect("as many as frames end in these steps"));
             }
         }
         lanes.note_asked();
@@ -156,7 +160,7 @@ impl<M: Mechanics, L: Lane> Lanes<M, L> {
 
     /// Points, roots left out, strand after strand.
     pub fn points(&self) -> Vec<[f32; 3]> {
-        let mut points = Vec::with_capacity(self.n_points());
+        let mut points = vec![[0.0; 3]; self.n_points()];
         self.put_points(&mut points);
         points
     }
@@ -170,8 +174,24 @@ impl<M: Mechanics, L: Lane> Lanes<M, L> {
         self.n_sticks.iter().sum()
     }
 
-    /// Adds the points to others.
-    fn put_points(&self, points: &mut Vec<[f32; 3]>) {
-        put_ends(M::ends_m(&self.batch), &self.n_sticks, points);
+    /// Puts the points into as many.
+    fn put_points(&self, points: &mut [[f32; 3]]) {
+        L::dispatch(PutPoints::<M, L> { batch: &self.batch, places: Places::new(&self.n_sticks, points) });
+    }
+}
+
+/// [`Lanes::put_points`], compiled for the lanes' registers.
+struct PutPoints<'a, M: Mechanics, L: Lane> {
+    batch: &'a M::Batch<L>,
+    places: Places<'a>,
+}
+
+impl<M: Mechanics, L: Lane> NullaryFnOnce for PutPoints<'_, M, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { batch, mut places } = self;
+        M::show_ends_m(batch, |stick, ends| places.put(stick, ends));
     }
 }

@@ -76,29 +76,26 @@ impl Places {
     /// Vectors and weights between the eight voxels around each point, by components.
     #[inline(always)]
     pub fn gather(&self, voxels: &Voxels) -> [[f32; 4]; WIDTH] {
-        let mut sums = [[0.0; 4]; WIDTH];
-        for (k, sum) in sums.iter_mut().enumerate() {
-            let pairs = self.around(voxels, k);
+        let mut pairs = [[0.0; 8]; WIDTH];
+        for (k, pair) in pairs.iter_mut().enumerate() {
+            let around = self.around(voxels, k);
             let shares = [self.shares[0][k], self.shares[1][k]];
-            let mut along_z = [0.0; 8];
             for n in 0..8 {
-                along_z[n] = among(pairs[0][n], pairs[1][n], pairs[2][n], pairs[3][n], shares);
+                pair[n] = among(around[0][n], around[1][n], around[2][n], around[3][n], shares);
             }
-            *sum = self.along_z(along_z, k);
         }
-        sums
+        self.along_z(&pairs)
     }
 
     /// [`Places::gather`] of two steps laid together, in the same order for each number.
     #[inline(always)]
     pub fn gather_mixed<P: Pairs>(&self, before: P, after: P, share: f32) -> [[f32; 4]; WIDTH] {
-        let mut sums = [[0.0; 4]; WIDTH];
-        for (k, sum) in sums.iter_mut().enumerate() {
+        let mut pairs = [[0.0; 8]; WIDTH];
+        for (k, pair) in pairs.iter_mut().enumerate() {
             let (a, b) = (self.around(before, k), self.around(after, k));
             let shares = [self.shares[0][k], self.shares[1][k]];
-            let mut along_z = [0.0; 8];
             for n in 0..8 {
-                along_z[n] = among(
+                pair[n] = among(
                     mix(a[0][n], b[0][n], share),
                     mix(a[1][n], b[1][n], share),
                     mix(a[2][n], b[2][n], share),
@@ -106,17 +103,19 @@ impl Places {
                     shares,
                 );
             }
-            *sum = self.along_z(along_z, k);
         }
-        sums
+        self.along_z(&pairs)
     }
 
-    /// The `k`-th point's numbers between those of two voxels along z.
+    /// The points' numbers between those of two voxels along z. By itself: where both halves of a pair are made and taken
+    /// apart in one loop, the compiler makes vectors of halves only.
     #[inline(always)]
-    fn along_z(&self, pair: [f32; 8], k: usize) -> [f32; 4] {
-        let mut found = [0.0; 4];
-        for axis in 0..4 {
-            found[axis] = mix(pair[axis], pair[4 + axis], self.shares[2][k]);
+    fn along_z(&self, pairs: &[[f32; 8]; WIDTH]) -> [[f32; 4]; WIDTH] {
+        let mut found = [[0.0; 4]; WIDTH];
+        for (k, (found, pair)) in found.iter_mut().zip(pairs).enumerate() {
+            for axis in 0..4 {
+                found[axis] = mix(pair[axis], pair[4 + axis], self.shares[2][k]);
+            }
         }
         found
     }

@@ -68,8 +68,9 @@ impl Mechanics for Paper {
         batch.step(work, self, scene);
     }
 
-    fn ends_m<L: Lane>(batch: &Batch<L>) -> impl Iterator<Item = Vector<L>> {
-        batch.ends_m()
+    #[inline(always)]
+    fn show_ends_m<L: Lane>(batch: &Batch<L>, show: impl FnMut(usize, Vector<L>)) {
+        batch.show_ends_m(show);
     }
 
     fn asked<L: Lane>(batch: &mut Batch<L>) -> &mut Option<Extent<L>> {

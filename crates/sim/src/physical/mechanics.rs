@@ -193,8 +193,11 @@ impl Mechanics for Physical {
         }
     }
 
-    fn ends_m<L: Lane>(moving: &Moving<L>) -> impl Iterator<Item = Vector<L>> {
-        moving.strands.states.iter().map(|state| state.place)
+    #[inline(always)]
+    fn show_ends_m<L: Lane>(moving: &Moving<L>, mut show: impl FnMut(usize, Vector<L>)) {
+        for (k, state) in moving.strands.states.iter().enumerate() {
+            show(k, state.place);
+        }
     }
 
     fn asked<L: Lane>(moving: &mut Moving<L>) -> &mut Option<Extent<L>> {
