@@ -7,7 +7,7 @@ mod values;
 pub use bench::{BenchArgs, BenchCommand, BenchDirectArgs, BenchFileArgs, BenchSimArgs, BenchWindArgs};
 pub use simulate::{BodyArgs, ShapeArg, SimulateArgs};
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use values::{parse_above_zero, parse_axis, parse_edit_method, parse_unit, parse_up_axis};
@@ -26,6 +26,22 @@ pub struct Cli {
     /// No progress bars, also on a terminal.
     #[arg(long, short, global = true)]
     pub quiet: bool,
+}
+
+impl Cli {
+    /// What was said. Ends the program if that cannot be understood.
+    pub fn read() -> Self {
+        let matches = with_negative_numbers(Self::command()).get_matches();
+        Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+    }
+}
+
+/// A number below zero is a wrong value and not an unknown option: so whoever checks it can say what was expected.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    let takes_number = |arg: &clap::Arg| arg.get_action().takes_values() && !arg.is_positional();
+    command
+        .mut_args(|arg| if takes_number(&arg) { arg.allow_negative_numbers(true) } else { arg })
+        .mut_subcommands(with_negative_numbers)
 }
 
 /// The commands, in the order in which one meets them.

@@ -6,11 +6,10 @@ mod commands;
 mod disk;
 mod ui;
 
-use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let cli = args::Cli::parse();
+    let cli = args::Cli::read();
     disk::survive_full_disks();
     match run(&cli) {
         Ok(outcome) => outcome.into(),

@@ -97,6 +97,14 @@ fn a_grid_that_is_no_whole_number_of_voxels() {
 /// Wherever it is, `validate` finds it. A run refuses the field, unless it needs nothing of what is damaged: then it gives
 /// what it gave before.
 #[test]
+fn a_voxel_of_less_than_nothing() {
+    convert_refuses(
+        |_| format!("gusts.c3d {GOOD_SESSION} --voxel-mm -5"),
+        &["the grid is impossible", "found voxel edge = -5 mm, expected a number above 0"],
+    );
+}
+
+#[test]
 fn a_field_with_a_flipped_byte() {
     let room = Room::with_field();
     room.run("simulate f.eff.mcap --groom bob.json -o sound.npz").ended(0);

@@ -28,7 +28,7 @@ pub enum IngestError {
     },
     /// The file was longer once: what is missing could be anything.
     #[error(
-        "the file is cut off: found {found} frames, expected {claimed} as it says of itself; allow it to take what is there"
+        "the file is cut off: found {found} frames, expected {claimed} as it says of itself; with `allow-cut` what is there is taken"
     )]
     CutShort {
         /// Frames that the file claims.
