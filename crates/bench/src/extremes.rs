@@ -102,6 +102,8 @@ pub fn judge(case: &Case, way: Way) -> Verdict {
             }
             Ok(flawed) => return flawed,
             Err(SimError::Unstable { limit_secs: limit, .. }) => limit_secs = limit_secs.min(limit),
+            // It is said before the run, and of all cases alike.
+            Err(SimError::TooShort { .. }) => {}
             Err(SimError::BlewUp { .. }) => return Verdict::Stopped { dt_secs: *dt_secs },
             Err(error) => return Verdict::Fails(error.to_string()),
         }

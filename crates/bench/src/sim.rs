@@ -109,8 +109,8 @@ fn extremes_section(progress: &dyn Progress) -> Section {
              point goes faster than twice what wind, push, head and weight could drive it together, and what the case \
              itself asks: no jitter in a steady wind once it has settled, rest after a storm, 0.1 mm at rest, no \
              energy from nothing in a vacuum. An explicit integrator has to refuse a step beyond its limit, and to \
-             hold at it. Depths in the body are no failure here: contacts are soft, and a tip can cross the neck in \
-             one such step.",
+             hold at it; single precision refuses steps shorter than 1/480 s. Depths in the body are no failure here: \
+             contacts are soft, and a tip can cross the neck in one such step.",
             extremes::STEPS_SECS.map(extremes::step_text).join(", ")
         ),
         tables: vec![(String::new(), extremes::table(&Way::all(), progress))],

@@ -3,19 +3,12 @@
 use rayon::prelude::*;
 use tousle_bench::Way;
 use tousle_bench::extremes::{Case, Verdict, cases, judge, judge_refusals};
-use tousle_sim::Precision;
-
-/// What single precision is not good for, as the table of the cases in `docs/evidence` says: rest at very short steps.
-const BEYOND_SINGLE: &str = "at rest on the head for 10 s, in a breath of air";
 
 /// Every case at every step, by every integrator that has no limit.
 #[test]
 fn nothing_explodes() {
     let ways: Vec<Way> = Way::all().into_iter().filter(|way| !way.integrator.is_limited()).collect();
     let flaw = |case: &Case, way: &Way| {
-        if way.precision == Precision::Single && case.name == BEYOND_SINGLE {
-            return None;
-        }
         let verdict = judge(case, *way);
         (!verdict.is_sound()).then(|| format!("{}, {}: {verdict}", case.name, way.name()))
     };

@@ -54,7 +54,9 @@ const ROUNDS: usize = 8;
 pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body, likely: &Likely) -> Rest {
     let surfaces = Surface::of_body(body, &Pose::identity());
     let candidates = candidates(lock, &surfaces, likely);
-    let weight_torques = joint_torques(lock, &weight_on_points(lock, gravity), likely.twist);
+    let weights = weight_on_points(lock, gravity);
+    let weight_torques = joint_torques(lock, &weights, likely.twist);
+    let weight_n = weights.iter().sum::<Vec3>().norm();
     let unit_torques: Vec<Vec<Vec3>> =
         candidates.iter().map(|candidate| unit_torques(lock, candidate, likely.twist)).collect();
     let mut search = Search::new(lock, &weight_torques, &unit_torques, likely.natural.weight());
@@ -65,7 +67,7 @@ pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body, likely: &Likely) -> R
     {
         let mut as_it_falls = falls(lock, &borne.torques, gravity);
         for _ in 0..ROUNDS {
-            search.expect(&fall, &as_it_falls, &borne.torques);
+            search.expect(&fall, &as_it_falls, &borne.torques, weight_n);
             borne = search.most_likely();
             let found = falls(lock, &borne.torques, gravity);
             as_it_falls.iter_mut().zip(found).for_each(|(fall, found)| *fall = (*fall + found) * 0.5);
@@ -144,6 +146,8 @@ struct Search<'a> {
     bends: Vec<Vec3>,
     /// By joint, 1/(N·m): what the square of its torque costs.
     costs: Vec<f64>,
+    /// What the square of a force costs, m/N.
+    force_cost: f64,
 }
 
 /// What a body bears, and what is left for the joints.
@@ -168,16 +172,30 @@ impl<'a> Search<'a> {
             natural_weight,
             bends: vec![Vec3::zeros(); lock.n_sticks()],
             costs,
+            force_cost: 0.0,
         }
     }
 
-    /// Expects a natural shape that falls, and joints as far off as they are with these torques.
-    fn expect(&mut self, fall: &Fall, as_it_falls: &[Vec3], torques: &[Vec3]) {
+    /// Expects a natural shape that falls, joints as far off as they are with these torques, and forces like the lock's
+    /// weight.
+    ///
+    /// The last because curves that are drawn, or made of a few markers, have kinks that no likely natural shape has: to
+    /// straighten them the body would push with hundreds of times the weight.
+    fn expect(&mut self, fall: &Fall, as_it_falls: &[Vec3], torques: &[Vec3], weight_n: f64) {
         for (j, as_it_falls) in as_it_falls.iter().enumerate().skip(1) {
             let expected = as_it_falls * fall.rate_per_m;
             self.bends[j] = expected * bends_over_m(self.lock, j);
             let off = curvature(self.lock, torques, j) - expected;
             self.costs[j] = fall.trust(off) / self.lock.joint_stiffness[j];
+        }
+        if weight_n > 0.0 {
+            // What a joint costs that is off by the scale of the curls.
+            let curl = |j: usize| {
+                let bend = fall.curl_per_m * bends_over_m(self.lock, j);
+                self.lock.joint_stiffness[j] * bend * bend
+            };
+            let n = self.lock.n_sticks();
+            self.force_cost = (1..n).map(curl).sum::<f64>() / (n - 1) as f64 / (weight_n * weight_n);
         }
     }
 
@@ -189,8 +207,10 @@ impl<'a> Search<'a> {
                 weight_torques[j] + bend * (self.natural_weight * lock.joint_stiffness[j])
             })
             .collect();
-        let products =
-            DMatrix::from_fn(units.len(), units.len(), |r, c| dot(&units[r], &units[c], &self.costs));
+        let products = DMatrix::from_fn(units.len(), units.len(), |r, c| {
+            let own = if r == c { self.force_cost } else { 0.0 };
+            dot(&units[r], &units[c], &self.costs) + own
+        });
         let b = DVector::from_fn(units.len(), |r, _| -dot(&units[r], &wished, &self.costs));
         let forces_n: Vec<f64> = nonnegative_least_squares(&products, &b).iter().copied().collect();
         let mut torques = weight_torques.to_vec();
@@ -300,5 +320,29 @@ mod tests {
         let (falling, straight) = (force(Natural::Falling(fall)), force(Natural::HALF_STRAIGHT));
         assert!((falling / (2.0 * HALF_N) - 1.0).abs() < 1e-2, "{falling}");
         assert!((straight / (2.0 * HALF_N) - 1.0).abs() > 0.1, "{straight}");
+    }
+
+    /// A curve with kinks that no likely shape has is not straightened by whatever force it takes.
+    #[test]
+    fn a_body_pushes_no_harder_than_like_a_weight() {
+        let table = Shape::Ellipsoid {
+            center_m: Vec3::new(0.1, 0.0, -1e4),
+            half_axes_m: Vec3::new(1e4, 1e4, 1e4 - 1.5e-3),
+        };
+        let body = Body {
+            colliders: vec![Collider { name: "table".into(), shape: table, attachment: Attachment::Head }],
+            ..Body::none()
+        };
+        let mut kinked = straight(Vec3::zeros(), Vec3::x(), 0.05, 10);
+        kinked.bending_stiffness_n_m2 = 1e-5;
+        kinked.rest_curve_m.iter_mut().step_by(2).for_each(|point| point.z += 3e-4);
+        let lock = Lock::new(&kinked);
+        let natural = Natural::Falling(Fall { rate_per_m: 10.0, curl_per_m: 2.0 });
+        let touch = Touch { within_m: 4e-3, radius_m: 2e-3 };
+        let likely = Likely { twist: Twist::Held, bears: Bears::Sticks, touch, friction: 0.25, natural };
+        let rest = rest_state(&lock, DOWN, &body, &likely);
+        let borne: f64 = rest.bearings.iter().map(|b| b.force_n).sum();
+        let weight = lock.masses_kg.iter().sum::<f64>() * 9.81;
+        assert!(borne < 5.0 * weight, "{borne} of {weight}");
     }
 }

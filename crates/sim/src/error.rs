@@ -59,6 +59,17 @@ pub enum SimError {
         /// The control point at the far end of its stiffest stick, from the root, where one joint sets it.
         point: Option<usize>,
     },
+    /// The step is too short for the digits that are computed with.
+    #[error(
+        "found a step of {dt_secs:.3e} s, expected {limit_secs:.3e} s or longer in single precision, whose rounding pushes \
+         hair in shorter ones; or double precision"
+    )]
+    TooShort {
+        /// The step, s.
+        dt_secs: f64,
+        /// The shortest step, s.
+        limit_secs: f64,
+    },
     /// An explicit integrator's run blew up at a step within its limit.
     #[error(
         "{integrator}: found strand {strand} nowhere at {secs} s, expected steps of {dt_secs:.3e} s to hold; hair so \

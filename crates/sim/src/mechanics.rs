@@ -45,6 +45,9 @@ pub(crate) trait Mechanics: Copy + Debug + Send + Sync + 'static {
         (Registers::widest(), options.precision)
     }
 
+    /// The shortest step that single precision stands, s.
+    const SHORTEST_SINGLE_SECS: f64 = 0.0;
+
     /// Says whether a point of head space, m, is where no air can be.
     fn is_solid(scene: &Scene) -> impl Fn(Vec3) -> bool;
 

@@ -137,6 +137,8 @@ impl<'a, M: Mechanics> Ready<'a, M> {
         let Setting { field, scene, groom, options } = setting;
         let mut timeline = Timeline::new(field, scene, options, groom.n_points())?;
         timeline.cut(options.dt_secs.unwrap_or(SimOptions::DEFAULT_DT_SECS))?;
+        let (_, precision) = M::lanes(options);
+        stability::check_digits(precision, timeline.dt_secs(), M::SHORTEST_SINGLE_SECS)?;
         let strands = M::prepare(&setting, &timeline);
         let sampler = within_reach(Sampler::new(field, M::is_solid(scene)), strands.iter().map(|p| &p.lock));
         Ok(Self { setting, timeline, sampler, strands })

@@ -1,7 +1,7 @@
 //! How long a step an explicit integrator stands.
 
 use crate::timeline::Timeline;
-use crate::{Integrator, SimError, SimOptions};
+use crate::{Integrator, Precision, SimError, SimOptions};
 use tousle_core::{Assumption, Groom, Vec3};
 use tousle_field::{FieldLayer, FieldSequence};
 
@@ -57,6 +57,20 @@ impl Limit {
             ),
         })
     }
+}
+
+/// Refuses steps that are too short for the digits that are computed with.
+pub(crate) fn check_digits(
+    precision: Precision,
+    dt_secs: f64,
+    shortest_single_secs: f64,
+) -> Result<(), SimError> {
+    // A frame's share may be shorter by a rounding.
+    let is_too_short = dt_secs < shortest_single_secs * (1.0 - 1e-9);
+    if precision == Precision::Single && is_too_short {
+        return Err(SimError::TooShort { dt_secs, limit_secs: shortest_single_secs });
+    }
+    Ok(())
 }
 
 /// An integrator's limit for a groom, for the report.

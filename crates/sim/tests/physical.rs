@@ -239,7 +239,8 @@ fn a_strand_does_not_know_its_neighbors() {
     assert_eq!(threaded.positions_m, all.positions_m);
 }
 
-/// An integrator of the other method, a tolerance that is none, and an explicit step beyond its limit are refused.
+/// An integrator of the other method, a tolerance that is none, an explicit step beyond its limit, and one that is too short
+/// for single precision are refused.
 #[test]
 fn what_cannot_be_is_refused() {
     let go = |options: &SimOptions| run(&still_air(), &mannequin(), vec![over_the_head()], options);
@@ -247,6 +248,12 @@ fn what_cannot_be_is_refused() {
     assert!(matches!(go(&other), Err(SimError::OtherMethod { .. })), "{:?}", go(&other));
     let none = SimOptions { tolerance_m: 0.0, ..SimOptions::of(Method::Physical) };
     assert!(matches!(go(&none), Err(SimError::BadOption { option: "tolerance_m", .. })));
+    let single = |rate_hz: f64| SimOptions {
+        precision: Precision::Single,
+        ..physical(Integrator::Implicit, 1.0 / rate_hz, 0.1)
+    };
+    assert!(go(&single(480.0)).is_ok());
+    assert!(matches!(go(&single(960.0)), Err(SimError::TooShort { .. })));
     for integrator in [Integrator::SemiImplicit, Integrator::Rk4] {
         let error = go(&physical(integrator, 1.0 / 120.0, 0.1)).unwrap_err();
         let SimError::Unstable { limit_secs, .. } = error else { panic!("{error}") };

@@ -100,7 +100,7 @@ fn orders(progress: &dyn Progress) -> Result<(Table, Vec<Curve>), SimError> {
         let (reference, _) = end(&world, at_rate(reference_way(*way), CONVERGED_HZ))?;
         let point = |options: SimOptions| match end(&world, options) {
             Ok((tip, steps)) => Ok(Some((distance_mm(tip, reference), steps))),
-            Err(SimError::Unstable { .. }) => Ok(None),
+            Err(SimError::Unstable { .. } | SimError::TooShort { .. }) => Ok(None),
             Err(error) => Err(error),
         };
         let points: Vec<Option<(f64, f64)>> = if way.integrator == Integrator::Adaptive {

@@ -53,7 +53,7 @@ pub struct SimulateArgs {
     /// The most that a step of the integrator adaptive may be off, mm.
     #[arg(long, default_value_t = 0.1, value_name = "MM")]
     pub tolerance_mm: f64,
-    /// Compute in single precision: faster, for hair of usual proportions.
+    /// Compute in single precision: faster, for hair of usual proportions and steps of 1/480 s or longer.
     #[arg(long)]
     pub single: bool,
     /// The longest step, s [default: the method's own].

@@ -74,6 +74,10 @@ impl Mechanics for Physical {
         }
     }
 
+    /// What an iteration leaves over in single precision, half a micrometer, acts like an acceleration of it over the square
+    /// of the step: here a hundredth of gravity.
+    const SHORTEST_SINGLE_SECS: f64 = 1.0 / 480.0;
+
     /// In the head's own shapes.
     fn is_solid(scene: &Scene) -> impl Fn(Vec3) -> bool {
         let of_head = scene.body.colliders.iter().filter(|c| c.attachment == Attachment::Head);
