@@ -53,10 +53,11 @@ const ROUNDS: usize = 8;
 /// (t distribution).
 pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body, likely: &Likely) -> Rest {
     let surfaces = Surface::of_body(body, &Pose::identity());
-    let candidates = candidates(lock, &surfaces, likely);
     let weights = weight_on_points(lock, gravity);
-    let weight_torques = joint_torques(lock, &weights, likely.twist);
     let weight_n = weights.iter().sum::<Vec3>().norm();
+    // What weighs nothing lies on nothing.
+    let candidates = if weight_n > 0.0 { candidates(lock, &surfaces, likely) } else { Vec::new() };
+    let weight_torques = joint_torques(lock, &weights, likely.twist);
     let unit_torques: Vec<Vec<Vec3>> =
         candidates.iter().map(|candidate| unit_torques(lock, candidate, likely.twist)).collect();
     let mut search = Search::new(lock, &weight_torques, &unit_torques, likely.natural.weight());
@@ -65,9 +66,10 @@ pub fn rest_state(lock: &Lock, gravity: Vec3, body: &Body, likely: &Likely) -> R
         && !candidates.is_empty()
         && lock.is_stiff()
     {
+        search.force_cost = force_cost(lock, &fall, weight_n);
         let mut as_it_falls = falls(lock, &borne.torques, gravity);
         for _ in 0..ROUNDS {
-            search.expect(&fall, &as_it_falls, &borne.torques, weight_n);
+            search.expect(&fall, &as_it_falls, &borne.torques);
             borne = search.most_likely();
             let found = falls(lock, &borne.torques, gravity);
             as_it_falls.iter_mut().zip(found).for_each(|(fall, found)| *fall = (*fall + found) * 0.5);
@@ -176,26 +178,13 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Expects a natural shape that falls, joints as far off as they are with these torques, and forces like the lock's
-    /// weight.
-    ///
-    /// The last because curves that are drawn, or made of a few markers, have kinks that no likely natural shape has: to
-    /// straighten them the body would push with hundreds of times the weight.
-    fn expect(&mut self, fall: &Fall, as_it_falls: &[Vec3], torques: &[Vec3], weight_n: f64) {
+    /// Expects a natural shape that falls, and joints as far off as they are with these torques.
+    fn expect(&mut self, fall: &Fall, as_it_falls: &[Vec3], torques: &[Vec3]) {
         for (j, as_it_falls) in as_it_falls.iter().enumerate().skip(1) {
             let expected = as_it_falls * fall.rate_per_m;
             self.bends[j] = expected * bends_over_m(self.lock, j);
             let off = curvature(self.lock, torques, j) - expected;
             self.costs[j] = fall.trust(off) / self.lock.joint_stiffness[j];
-        }
-        if weight_n > 0.0 {
-            // What a joint costs that is off by the scale of the curls.
-            let curl = |j: usize| {
-                let bend = fall.curl_per_m * bends_over_m(self.lock, j);
-                self.lock.joint_stiffness[j] * bend * bend
-            };
-            let n = self.lock.n_sticks();
-            self.force_cost = (1..n).map(curl).sum::<f64>() / (n - 1) as f64 / (weight_n * weight_n);
         }
     }
 
@@ -219,6 +208,20 @@ impl<'a> Search<'a> {
         }
         Borne { torques, forces_n }
     }
+}
+
+/// What the square of a force costs, m/N: one like the lock's weight as much as a joint that is off by the scale of the curls.
+///
+/// Curves that are drawn, or made of a few markers, have kinks that no likely natural shape has: to straighten them the
+/// body would push with hundreds of times the weight.
+fn force_cost(lock: &Lock, fall: &Fall, weight_n: f64) -> f64 {
+    let curl = |j: usize| {
+        let bend = fall.curl_per_m * bends_over_m(lock, j);
+        lock.joint_stiffness[j] * bend * bend
+    };
+    let joints = 1..lock.n_sticks();
+    let n = joints.len().max(1) as f64;
+    joints.map(curl).sum::<f64>() / n / (weight_n * weight_n)
 }
 
 /// The sum of two torques' products over all joints, at a joint's cost.
@@ -255,6 +258,21 @@ mod tests {
 
     const DOWN: Vec3 = Vec3::new(0.0, 0.0, -9.81);
 
+    fn only(shape: Shape) -> Body {
+        Body {
+            colliders: vec![Collider { name: "body".into(), shape, attachment: Attachment::Head }],
+            ..Body::none()
+        }
+    }
+
+    /// A body whose top is as good as flat, and so far below the head's origin.
+    fn table(below_m: f64) -> Body {
+        only(Shape::Ellipsoid {
+            center_m: Vec3::new(0.1, 0.0, -1e4),
+            half_axes_m: Vec3::new(1e4, 1e4, 1e4 - below_m),
+        })
+    }
+
     /// A horizontal lock in free air holds the moment of everything further out at each joint.
     #[test]
     fn a_cantilever_holds_the_moment_of_its_weight() {
@@ -269,14 +287,7 @@ mod tests {
     /// A lock that lies along a table is borne by it altogether, up to half a stick at the clamp.
     #[test]
     fn a_lock_on_a_table_is_borne() {
-        let table = Shape::Ellipsoid {
-            center_m: Vec3::new(0.1, 0.0, -1e4),
-            half_axes_m: Vec3::new(1e4, 1e4, 1e4 - 2e-3),
-        };
-        let body = Body {
-            colliders: vec![Collider { name: "table".into(), shape: table, attachment: Attachment::Head }],
-            ..Body::none()
-        };
+        let body = table(2e-3);
         let lock = Lock::new(&straight(Vec3::zeros(), Vec3::x(), 0.2, 10));
         let rest = rest_state(&lock, DOWN, &body, &Likely::smooth(&lock, Twist::Free));
         let borne: f64 = rest.bearings.iter().map(|b| b.force_n).sum();
@@ -305,10 +316,7 @@ mod tests {
         let middle = 0.5 * (points[STICK] + points[STICK + 1]);
         let center_m = middle - normal * (0.01 + 0.5 * WIDTH_M);
         let ball = Shape::Ellipsoid { center_m, half_axes_m: Vec3::repeat(0.01) };
-        let body = Body {
-            colliders: vec![Collider { name: "ball".into(), shape: ball, attachment: Attachment::Head }],
-            ..Body::none()
-        };
+        let body = only(ball);
         let force = |natural: Natural| {
             let touch = Touch { within_m: 0.6 * WIDTH_M, radius_m: 0.5 * WIDTH_M };
             let likely = Likely { twist: Twist::Held, bears: Bears::Sticks, touch, friction: 0.0, natural };
@@ -325,14 +333,7 @@ mod tests {
     /// A curve with kinks that no likely shape has is not straightened by whatever force it takes.
     #[test]
     fn a_body_pushes_no_harder_than_like_a_weight() {
-        let table = Shape::Ellipsoid {
-            center_m: Vec3::new(0.1, 0.0, -1e4),
-            half_axes_m: Vec3::new(1e4, 1e4, 1e4 - 1.5e-3),
-        };
-        let body = Body {
-            colliders: vec![Collider { name: "table".into(), shape: table, attachment: Attachment::Head }],
-            ..Body::none()
-        };
+        let body = table(1.5e-3);
         let mut kinked = straight(Vec3::zeros(), Vec3::x(), 0.05, 10);
         kinked.bending_stiffness_n_m2 = 1e-5;
         kinked.rest_curve_m.iter_mut().step_by(2).for_each(|point| point.z += 3e-4);
@@ -344,5 +345,21 @@ mod tests {
         let borne: f64 = rest.bearings.iter().map(|b| b.force_n).sum();
         let weight = lock.masses_kg.iter().sum::<f64>() * 9.81;
         assert!(borne < 5.0 * weight, "{borne} of {weight}");
+    }
+
+    /// A lock of one stick has no joint but the root's, and what weighs nothing lies on nothing.
+    #[test]
+    fn the_shortest_and_the_lightest_lock_have_a_rest() {
+        let natural = Natural::Falling(Fall { rate_per_m: 10.0, curl_per_m: 2.0 });
+        let touch = Touch { within_m: 4e-3, radius_m: 2e-3 };
+        let likely = Likely { twist: Twist::Held, bears: Bears::Sticks, touch, friction: 0.25, natural };
+        let shortest = Lock::new(&straight(Vec3::zeros(), Vec3::x(), 0.05, 1));
+        let rest = rest_state(&shortest, DOWN, &table(1.5e-3), &likely);
+        assert!(rest.torques[0].norm().is_finite());
+        assert!(rest.bearings.iter().all(|b| b.force_n.is_finite()), "{:?}", rest.bearings);
+        let lightest = Lock::new(&straight(Vec3::zeros(), Vec3::x(), 0.05, 5));
+        let rest = rest_state(&lightest, Vec3::zeros(), &table(1.5e-3), &likely);
+        assert_eq!(rest.bearings, []);
+        assert!(rest.torques.iter().all(|torque| *torque == Vec3::zeros()));
     }
 }
