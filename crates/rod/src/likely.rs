@@ -2,6 +2,7 @@ use crate::contact::Surface;
 use crate::lock::Lock;
 use crate::natural::{Fall, Natural};
 use crate::touching::nearest_place;
+use rayon::prelude::*;
 use tousle_core::{Body, Pose, Vec3};
 
 /// What a joint does against a turn of its stick about the stick itself.
@@ -44,11 +45,11 @@ impl Touch {
     /// Judged by how near the locks of a hairstyle come to the body at rest: those that lie on it show how thick hair
     /// is to a surface, whatever it is to the wind. `None` where no lock comes near, or where they lie inside.
     ///
-    /// The radius is the gap that a twentieth of the locks that come near fall short of.
-    fn by_rest(locks: &[Lock], surfaces: &[Surface]) -> Option<Self> {
-        let mut nearest: Vec<f64> =
-            locks.iter().filter_map(|lock| nearest_gap(lock, surfaces, lock.width_m)).collect();
-        nearest.sort_by(f64::total_cmp);
+    /// The radius is the gap that a twentieth of the locks that come near fall short of. `gaps_m` has each lock's least
+    /// gap, where it is within the lock's width.
+    fn by_rest(gaps_m: &[Option<f64>]) -> Option<Self> {
+        let mut nearest: Vec<f64> = gaps_m.iter().copied().flatten().collect();
+        nearest.sort_unstable_by(f64::total_cmp);
         let radius_m = *nearest.get(nearest.len() / 20)?;
         (radius_m > 0.0).then_some(Self { within_m: Self::REACH * radius_m, radius_m })
     }
@@ -76,15 +77,21 @@ pub struct Style {
 impl Style {
     /// Judged by the locks that hang still under a gravity in head axes, m/s². Only those are asked how
     /// natural shapes fall whose own stiffness `is_known`.
-    pub fn of(locks: &[Lock], is_known: impl Fn(usize) -> bool, gravity: Vec3, body: &Body) -> Self {
+    pub fn of(locks: &[Lock], is_known: impl Fn(usize) -> bool + Sync, gravity: Vec3, body: &Body) -> Self {
         let surfaces = Surface::of_body(body, &Pose::identity());
-        let touch = Touch::by_rest(locks, &surfaces);
-        let is_free = |lock: &Lock| {
-            let within_m = touch.map_or(lock.width_m, |touch| touch.within_m);
-            nearest_gap(lock, &surfaces, within_m).is_none()
+        let gap_m = |lock: &Lock| nearest_gap(lock, &surfaces, lock.width_m);
+        let gaps_m: Vec<Option<f64>> = locks.par_iter().map(gap_m).collect();
+        let touch = Touch::by_rest(&gaps_m);
+        let is_free = |lock: &Lock, gap_m: Option<f64>| match touch {
+            Some(Touch { within_m, .. }) if within_m > lock.width_m => {
+                nearest_gap(lock, &surfaces, within_m).is_none()
+            }
+            Some(Touch { within_m, .. }) => gap_m.is_none_or(|gap_m| gap_m > within_m),
+            None => gap_m.is_none(),
         };
-        let free = locks.iter().enumerate().filter(|(i, lock)| is_known(*i) && is_free(lock));
-        Self { touch, fall: Fall::of(free.map(|(_, lock)| lock), gravity) }
+        let free = locks.par_iter().zip(&gaps_m).enumerate();
+        let free = free.filter(|(i, (lock, gap_m))| is_known(*i) && is_free(lock, **gap_m));
+        Self { touch, fall: Fall::of(free.map(|(_, (lock, _))| lock), gravity) }
     }
 
     /// What is likely of one of its locks, held by joints that resist twist, on a body that rubs: for measuring and

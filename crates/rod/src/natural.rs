@@ -3,6 +3,7 @@ use crate::lock::Lock;
 use crate::rest::{joint_torques, weight_on_points};
 use crate::turn::{shortest_rotation, shortest_turn};
 use nalgebra::UnitQuaternion;
+use rayon::prelude::*;
 use tousle_core::Vec3;
 
 /// What shape a lock is likely to have without load.
@@ -56,8 +57,8 @@ impl Fall {
 
     /// Told by locks that nothing bears under a gravity in head axes, m/s²: their natural shape is known. The medians of
     /// all joints; `None` where too few tell.
-    pub(crate) fn of<'a>(free: impl Iterator<Item = &'a Lock>, gravity: Vec3) -> Option<Self> {
-        let joints: Vec<FreeJoint> = free.flat_map(|lock| FreeJoint::all(lock, gravity)).collect();
+    pub(crate) fn of<'a>(free: impl ParallelIterator<Item = &'a Lock>, gravity: Vec3) -> Option<Self> {
+        let joints: Vec<FreeJoint> = free.flat_map_iter(|lock| FreeJoint::all(lock, gravity)).collect();
         let telling = joints.iter().filter(|joint| joint.fall.norm() > Self::MIN_SINE);
         let rates: Vec<f64> = telling.map(|j| j.curvature.dot(&j.fall) / j.fall.norm_squared()).collect();
         if rates.len() < Self::ENOUGH_JOINTS {
@@ -217,7 +218,7 @@ pub(crate) mod tests {
     fn free_locks_tell_how_they_fall() {
         for stiffness in [1e-3, 1e-4, 3e-5] {
             let locks = [falling(Vec3::x(), stiffness, &[]), falling(Vec3::y(), stiffness, &[])];
-            let fall = Fall::of(locks.iter(), DOWN).unwrap();
+            let fall = Fall::of(locks.par_iter(), DOWN).unwrap();
             assert!((fall.rate_per_m - 10.0).abs() < 0.05, "{stiffness}: {fall:?}");
             assert!(fall.curl_per_m < 0.1, "{stiffness}: {fall:?}");
         }
@@ -234,7 +235,7 @@ pub(crate) mod tests {
     #[test]
     fn few_joints_tell_nothing() {
         let lock = falling(Vec3::x(), 1e-4, &[]);
-        assert_eq!(Fall::of([&lock].into_iter(), DOWN), None);
-        assert_eq!(Fall::of([&lock, &lock].into_iter(), Vec3::zeros()), None);
+        assert_eq!(Fall::of([&lock].into_par_iter(), DOWN), None);
+        assert_eq!(Fall::of([&lock, &lock].into_par_iter(), Vec3::zeros()), None);
     }
 }

@@ -4,6 +4,7 @@ use crate::lock::Lock;
 use crate::natural::{Fall, Natural, bends_over_m, curvature, falls, rest_bend};
 use crate::nnls::nonnegative_least_squares;
 use crate::touching::{Candidate, candidates};
+use core::cmp::Ordering;
 use nalgebra::{DMatrix, DVector};
 use tousle_core::{Body, Pose, Vec3};
 
@@ -86,13 +87,15 @@ pub(crate) fn weight_on_points(lock: &Lock, gravity: Vec3) -> Vec<Vec3> {
     lock.masses_kg.iter().map(|m| gravity * *m).collect()
 }
 
-/// What a body's push of 1 N asks of each joint, N·m.
+/// What a body's push of 1 N asks of each joint, N·m, up to the last that it asks something of.
 fn unit_torques(lock: &Lock, candidate: &Candidate, twist: Twist) -> Vec<Vec3> {
     let mut forces = vec![Vec3::zeros(); lock.n_sticks()];
     for (stick, share) in candidate.on_ends() {
         forces[stick] = candidate.force() * share;
     }
-    joint_torques(lock, &forces, twist)
+    let mut torques = joint_torques(lock, &forces, twist);
+    torques.truncate(candidate.place.stick + 1);
+    torques
 }
 
 /// What the body bears at each point, by its forces in all ways in which it may.
@@ -140,7 +143,7 @@ struct Search<'a> {
     lock: &'a Lock,
     /// What the weight asks of each joint, N·m.
     weight_torques: &'a [Vec3],
-    /// What 1 N of each force asks of each joint.
+    /// What 1 N of each force asks of each joint, up to the last that it asks something of.
     units: &'a [Vec<Vec3>],
     /// How much the natural shape counts.
     natural_weight: f64,
@@ -196,10 +199,12 @@ impl<'a> Search<'a> {
                 weight_torques[j] + bend * (self.natural_weight * lock.joint_stiffness[j])
             })
             .collect();
-        let products = DMatrix::from_fn(units.len(), units.len(), |r, c| {
-            let own = if r == c { self.force_cost } else { 0.0 };
-            dot(&units[r], &units[c], &self.costs) + own
+        let mut products = DMatrix::from_fn(units.len(), units.len(), |r, c| match r.cmp(&c) {
+            Ordering::Less => 0.0,
+            Ordering::Equal => dot(&units[r], &units[c], &self.costs) + self.force_cost,
+            Ordering::Greater => dot(&units[r], &units[c], &self.costs),
         });
+        products.fill_upper_triangle_with_lower_triangle();
         let b = DVector::from_fn(units.len(), |r, _| -dot(&units[r], &wished, &self.costs));
         let forces_n: Vec<f64> = nonnegative_least_squares(&products, &b).iter().copied().collect();
         let mut torques = weight_torques.to_vec();
@@ -224,7 +229,7 @@ fn force_cost(lock: &Lock, fall: &Fall, weight_n: f64) -> f64 {
     joints.map(curl).sum::<f64>() / n / (weight_n * weight_n)
 }
 
-/// The sum of two torques' products over all joints, at a joint's cost.
+/// The sum of two torques' products over the joints that both have, at a joint's cost.
 fn dot(a: &[Vec3], b: &[Vec3], costs: &[f64]) -> f64 {
     a.iter().zip(b).zip(costs).map(|((a, b), cost)| a.dot(b) * cost).sum()
 }

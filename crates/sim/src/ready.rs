@@ -210,7 +210,7 @@ impl<M: Mechanics, L: Lane> InLanes<'_, M, L> {
     fn at_rest(&self, run: &Run<'_, M>, strands: &[usize]) -> Vec<Lanes<M, L>> {
         let prepared = &self.ready.strands;
         let lanes = |some: &[usize]| Lanes::at_rest(&run.mechanics, prepared, some);
-        order(prepared, strands).chunks(L::N).map(lanes).collect()
+        order(prepared, strands).par_chunks(L::N).map(lanes).collect()
     }
 
     /// Some strands from the first frame to the last.

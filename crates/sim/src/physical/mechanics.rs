@@ -88,7 +88,7 @@ impl Mechanics for Physical {
     fn prepare(setting: &Setting<'_>, timeline: &Timeline<'_>) -> Vec<Prepared> {
         let Setting { scene, groom, options, .. } = setting;
         let (gravity, law) = (timeline.gravity_at_rest(), setting.law());
-        let locks: Vec<Lock> = groom.strands.iter().map(Lock::new).collect();
+        let locks: Vec<Lock> = groom.strands.par_iter().map(Lock::new).collect();
         let style = Style::of(&locks, |i| !groom.strands[i].holds_style, gravity, &scene.body);
         let surfaces = Surface::of_body(&scene.body, &Pose::identity());
         let prepare = |(mut lock, strand): (Lock, &Strand)| {
