@@ -33,6 +33,16 @@ pub enum BenchError {
         /// The folder.
         folder: PathBuf,
     },
+    /// A capture that was asked for is not there.
+    #[error("found no capture {name} in {}, expected one of {}", folder.display(), there.join(", "))]
+    NoSuchCapture {
+        /// Its name.
+        name: String,
+        /// The folder.
+        folder: PathBuf,
+        /// The names of those that are there.
+        there: Vec<String>,
+    },
     /// The system gives no thread.
     #[error("cannot start a thread")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -66,6 +76,20 @@ impl CaptureFolder {
         if found.is_empty() {
             return Err(BenchError::NoCaptures { folder: captures.to_owned() });
         }
+        Ok(found)
+    }
+
+    /// Those of [`CaptureFolder::all`] that are named; all if none is.
+    ///
+    /// # Errors
+    /// As [`CaptureFolder::all`], and if one is not there.
+    pub fn named(captures: &Path, names: &[String]) -> Result<Vec<Self>, BenchError> {
+        let mut found = Self::all(captures)?;
+        if let Some(name) = names.iter().find(|name| found.iter().all(|folder| folder.name != **name)) {
+            let there = found.into_iter().map(|folder| folder.name).collect();
+            return Err(BenchError::NoSuchCapture { name: name.clone(), folder: captures.to_owned(), there });
+        }
+        found.retain(|folder| names.is_empty() || names.contains(&folder.name));
         Ok(found)
     }
 

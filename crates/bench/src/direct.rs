@@ -60,10 +60,7 @@ pub fn run(
     options: &DirectBenchOptions,
     progress: &dyn Progress,
 ) -> Result<DirectBenchReport, BenchError> {
-    let mut folders = CaptureFolder::all(captures)?;
-    if !options.names.is_empty() {
-        folders.retain(|folder| options.names.iter().any(|name| name == folder.name()));
-    }
+    let folders = CaptureFolder::named(captures, &options.names)?;
     let total = (folders.len() * (options.n_drags + Several::ALL.len() * options.n_several)) as u64;
     let mut report = DirectBenchReport::default();
     for folder in &folders {

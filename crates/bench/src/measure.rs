@@ -65,10 +65,7 @@ pub fn run(
     settings: &[Setting],
     progress: &dyn Progress,
 ) -> Result<MeasureReport, BenchError> {
-    let mut folders = CaptureFolder::all(captures)?;
-    if !names.is_empty() {
-        folders.retain(|folder| names.iter().any(|name| name == folder.name()));
-    }
+    let folders = CaptureFolder::named(captures, names)?;
     let total = (folders.len() * settings.len()) as u64;
     let mut rows = Vec::new();
     for folder in &folders {

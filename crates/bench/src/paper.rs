@@ -85,13 +85,7 @@ pub fn run(
     options: &PaperBenchOptions,
     progress: &dyn Progress,
 ) -> Result<PaperReport, BenchError> {
-    let mut folders = CaptureFolder::all(captures)?;
-    if !options.captures.is_empty() {
-        folders.retain(|folder| options.captures.iter().any(|name| name == folder.name()));
-        if folders.is_empty() {
-            return Err(BenchError::NoCaptures { folder: captures.to_owned() });
-        }
-    }
+    let folders = CaptureFolder::named(captures, &options.captures)?;
     let runs_each = options.readings.len() + usize::from(options.true_wind);
     let total = (folders.len() * runs_each) as u64;
     let mut rows = Vec::new();

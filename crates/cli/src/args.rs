@@ -100,14 +100,14 @@ pub struct ConvertArgs {
     /// Time steps of the field a second.
     #[arg(long, default_value_t = 30.0, value_name = "HZ")]
     pub rate_hz: f64,
-    /// Mend the wind, by simulating the captured wig in it, until locks that are held out move no better; without it this is done
+    /// Mend the wind, by simulating the captured wig in it, until locks that are held out come no nearer; without it this is done
     /// once, with all locks. Takes some three times as long.
     #[arg(long)]
     pub refine: bool,
-    /// How equation E3 of the paper is read.
-    #[arg(long, value_enum, default_value_t = ReadingArg::RestPose)]
-    pub reading: ReadingArg,
-    /// The time s of E3, ms [default: a free fall along the lock, for each marker its own].
+    /// With --method paper, how its equation E3 is read [default: rest-pose].
+    #[arg(long, value_enum)]
+    pub reading: Option<ReadingArg>,
+    /// With --method paper, the time s of E3, ms [default: a free fall along the lock, for each marker its own].
     #[arg(long, value_name = "MS")]
     pub span_ms: Option<f64>,
     /// How the capture is read.

@@ -42,7 +42,29 @@ fn check_ending(path: &Path, endings: &[&str]) -> anyhow::Result<()> {
         return Ok(());
     }
     let list = endings.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(" or ");
-    bail!("output {}: found the ending {:?}, expected {list}", path.display(), ending(path))
+    wrong!("output {}: found the ending {:?}, expected {list}", path.display(), ending(path))
+}
+
+/// Refuses to write over what is read.
+fn check_apart(output: &Path, inputs: &[&Path]) -> anyhow::Result<()> {
+    let file = |path: &Path| path.canonicalize().ok();
+    if let Some(place) = file(output)
+        && inputs.iter().any(|input| file(input).as_ref() == Some(&place))
+    {
+        wrong!("output {}: found a file that is read, expected another one", output.display());
+    }
+    Ok(())
+}
+
+/// Refuses an output in a folder that is not there, before any work is done.
+fn check_folder(output: &Path) -> anyhow::Result<()> {
+    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder {
+        Some(folder) if !folder.is_dir() => {
+            bail!("output {}: found no folder {}, expected one", output.display(), folder.display())
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Reads a sound field file.
@@ -133,9 +155,14 @@ fn write_eff(
 /// How a field is packed, as the command line has it.
 fn write_options(args: &PackArgs) -> anyhow::Result<WriteOptions> {
     let encoding = match (args.encoding, args.max_error) {
-        (EncodingArg::Fixed, Some(max_error)) => Encoding::Fixed { max_error },
-        (EncodingArg::Fixed, None) => bail!("--encoding fixed: found no --max-error, expected one"),
-        (_, Some(_)) => bail!("--max-error: found encoding {:?}, expected fixed", args.encoding),
+        (EncodingArg::Fixed, Some(max_error)) if max_error.is_finite() && max_error > 0.0 => {
+            Encoding::Fixed { max_error }
+        }
+        (EncodingArg::Fixed, Some(max_error)) => {
+            wrong!("--max-error: found {max_error}, expected a number above 0")
+        }
+        (EncodingArg::Fixed, None) => wrong!("--encoding fixed: found no --max-error, expected one"),
+        (_, Some(_)) => wrong!("--max-error: found encoding {:?}, expected fixed", args.encoding),
         (EncodingArg::F32, None) => Encoding::F32,
         (EncodingArg::F16, None) => Encoding::F16,
     };
@@ -145,6 +172,6 @@ fn write_options(args: &PackArgs) -> anyhow::Result<WriteOptions> {
 
 /// Prints a value as JSON on stdout.
 fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
-    println!("{}", serde_json::to_string_pretty(value).context("cannot write the report as JSON")?);
+    sayln!("{}", serde_json::to_string_pretty(value).context("cannot write the report as JSON")?);
     Ok(())
 }

@@ -1,21 +1,22 @@
 //! The commands. `tousle help` lists them; DESIGN of their contract: exit codes 0 fine, 1 failed or invalid,
 //! 2 wrong arguments, 3 finished with loss; results on stdout, diagnostics on stderr.
 
+#[macro_use]
+mod ui;
 mod args;
 mod commands;
 mod disk;
-mod ui;
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let cli = args::Cli::read();
     disk::survive_full_disks();
-    match run(&cli) {
+    match run(&cli).and_then(ui::all_said) {
         Ok(outcome) => outcome.into(),
         Err(error) => {
             ui::print_error(&error);
-            ExitCode::FAILURE
+            ExitCode::from(if ui::is_wrong_argument(&error) { 2 } else { 1 })
         }
     }
 }

@@ -1,10 +1,16 @@
 //! What a person sees while a command runs: bars on stderr, an error in words, an exit code.
 
+use anyhow::Context;
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt;
+use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
+use std::sync::OnceLock;
 use tousle_core::Progress;
+use tousle_field::GridError;
+use tousle_fit::FitError;
 use tousle_pipeline::Watch;
+use tousle_sim::SimError;
 
 /// How a command that did not fail ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +33,63 @@ impl From<Outcome> for ExitCode {
             Outcome::WithLoss => Self::from(3),
             Outcome::Ended(code) => Self::from(code),
         }
+    }
+}
+
+/// An argument that is wrong by itself or beside others, where the parser of the command line cannot know it.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct WrongArgument(pub String);
+
+/// `bail!` with a [`WrongArgument`].
+macro_rules! wrong {
+    ($($words:tt)*) => { return Err($crate::ui::WrongArgument(format!($($words)*)).into()) };
+}
+
+/// Whether a command failed for its arguments alone.
+pub fn is_wrong_argument(error: &anyhow::Error) -> bool {
+    use SimError::{BadOption, OtherMethod, TooShort, Unstable};
+    error.chain().any(|cause| {
+        cause.is::<WrongArgument>()
+            || cause.is::<GridError>()
+            || matches!(
+                cause.downcast_ref(),
+                Some(BadOption { .. } | OtherMethod { .. } | TooShort { .. } | Unstable { .. })
+            )
+            || matches!(cause.downcast_ref(), Some(FitError::NotPositive { .. } | FitError::TooFast { .. }))
+    })
+}
+
+/// What kept something from being said on stdout, first.
+static UNSAID: OnceLock<io::Error> = OnceLock::new();
+
+/// Says something on stdout. If nobody listens the command goes on: what it makes is made, and [`all_said`] tells at the end.
+pub fn say(words: fmt::Arguments<'_>) {
+    let mut out = io::stdout().lock();
+    if UNSAID.get().is_none()
+        && let Err(error) = out.write_fmt(words).and_then(|()| out.flush())
+    {
+        let _ = UNSAID.set(error);
+    }
+}
+
+/// `print!` with [`say`].
+macro_rules! say {
+    ($($words:tt)*) => { $crate::ui::say(format_args!($($words)*)) };
+}
+
+/// `println!` with [`say`].
+macro_rules! sayln {
+    ($($words:tt)*) => { $crate::ui::say(format_args!("{}\n", format_args!($($words)*))) };
+}
+
+/// An outcome, if all could be said. A reader that has heard enough (`head`) is no failure.
+pub fn all_said(outcome: Outcome) -> anyhow::Result<Outcome> {
+    match UNSAID.get() {
+        Some(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(anyhow::anyhow!("{error}")).context("cannot write to the standard output")
+        }
+        _ => Ok(outcome),
     }
 }
 

@@ -138,6 +138,12 @@ fn drag_layer(
     if unedited_m.iter().any(|p| !p.iter().all(|c| c.is_finite())) {
         return Err(EditError::BadMotion { strand: resolved.strand.name.clone(), secs: second_secs });
     }
+    if field.quantity == Quantity::AirVelocity && scene.air_density <= 0.0 {
+        return Err(bad(format!(
+            "found a scene with an air density of {} kg/m³, expected air: no wind pulls hair without it",
+            scene.air_density
+        )));
+    }
     let target_m = match resolved.drag.target {
         Target::At(at) => at,
         Target::Offset(offset) => unedited_m[dragged] + offset,

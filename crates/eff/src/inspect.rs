@@ -22,12 +22,17 @@ pub struct Inspection {
     pub channels: Vec<ChannelSize>,
     /// Where the vectors come from, and how large they are.
     pub coverage: Coverage,
-    /// The edits that the layers are of, in order: name, then id.
+    /// The edits that the layers are of, in order: name, then id, and whether they are muted.
     pub layers: Vec<String>,
     /// Names and sizes of the attachments.
     pub attachments: Vec<(String, u64)>,
     /// The file's length, bytes.
     pub n_bytes: u64,
+}
+
+fn in_words(layer: &FieldLayer) -> String {
+    let muted = if layer.muted { ", muted" } else { "" };
+    format!("{} ({}){muted}", layer.name, layer.edit_id())
 }
 
 /// How much is on a channel.
@@ -129,7 +134,7 @@ impl Listener for Tally {
     }
 
     fn edits(&mut self, layers: Vec<FieldLayer>) {
-        self.layers = layers.iter().map(|l| format!("{} ({})", l.name, l.edit_id())).collect();
+        self.layers = layers.iter().map(in_words).collect();
         self.layers.dedup();
     }
 

@@ -96,7 +96,9 @@ impl GridSpec {
         let far = self.far_corner_m();
         let beyond = |axis: usize| {
             let p = point_m[axis];
-            f64::max(self.origin_m[axis] - p, p - far[axis]).max(0.0)
+            let beyond = f64::max(self.origin_m[axis] - p, p - far[axis]);
+            // `max` would make a 0 of a NaN.
+            if beyond < 0.0 { 0.0 } else { beyond }
         };
         let distance2: f64 = (0..3).map(|axis| beyond(axis) * beyond(axis)).sum();
         let shortest = self.dims.iter().copied().min().unwrap_or(1) as f64 * self.edge_m;

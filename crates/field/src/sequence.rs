@@ -71,6 +71,24 @@ pub enum FieldError {
         /// The rate.
         found: f64,
     },
+    /// The first step is at no time.
+    #[error("found a first step at {found} s, expected a finite time")]
+    BadStart {
+        /// When it is.
+        found: f64,
+    },
+    /// The grid has no voxel, or nobody knows where.
+    #[error(
+        "found a grid of {dims:?} voxels of {edge_m} m from {origin_m:?} m on, expected at least one of a size above 0"
+    )]
+    BadGrid {
+        /// Voxels along x, y, z.
+        dims: [usize; 3],
+        /// Their edge, m.
+        edge_m: f64,
+        /// The lowest corner, head space, m.
+        origin_m: [f64; 3],
+    },
     /// An array does not fit the grid.
     #[error("step {step}: found {found} {what}, expected {expected}")]
     BadSize {
@@ -248,7 +266,8 @@ impl FieldSequence {
         flat
     }
 
-    /// Checks that every array fits the grid and every number is finite.
+    /// Checks that every array fits the grid, and that every vector and the times are finite. (A standard deviation may be
+    /// infinite.)
     ///
     /// # Errors
     /// The first [`FieldError`] in step order.
@@ -258,6 +277,14 @@ impl FieldSequence {
         }
         if !(self.rate_hz.is_finite() && self.rate_hz > 0.0) {
             return Err(FieldError::BadRate { found: self.rate_hz });
+        }
+        if !self.start_secs.is_finite() {
+            return Err(FieldError::BadStart { found: self.start_secs });
+        }
+        let GridSpec { dims, edge_m, origin_m } = self.grid;
+        let is_somewhere = origin_m.iter().all(|c| c.is_finite());
+        if dims.contains(&0) || !(edge_m.is_finite() && edge_m > 0.0 && is_somewhere) {
+            return Err(FieldError::BadGrid { dims, edge_m, origin_m: origin_m.into() });
         }
         let n = self.grid.n_voxels();
         for (step, field) in self.steps.iter().enumerate() {

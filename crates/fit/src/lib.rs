@@ -1,8 +1,11 @@
 //! `HeadCapture` → `WindSamples`: what force or wind explains the motion of each lock.
 //!
-//! [`fit`] turns marker positions in head space into one vector of wind per marker and time step. Method `paper`
-//! is the 2008 equation E3 in its three readings ([`PaperReading`]); what blows outside the grid follows from
-//! the fans ([`outside_direction`]).
+//! [`fit`] turns marker positions in head space into one vector of wind per marker and time step.
+//!
+//! - Method `physical`, what `convert` takes: the air that balances the moments of all locks together, with its uncertainty
+//!   ([`PhysicalOptions`], docs/physical-fit.md). [`fit_taught`] and [`defects`] are for the closed loop around it.
+//! - Method `paper`: the 2008 equation E3 in its three readings ([`PaperReading`]); what blows outside the grid follows from
+//!   the fans ([`outside_direction`]).
 
 mod outside;
 mod paper;
@@ -80,6 +83,9 @@ pub struct FitReport {
     pub physical: Option<PhysicalReport>,
 }
 
+/// The most steps of the field in a frame of the capture.
+const MAX_STEPS_PER_FRAME: f64 = 4.0;
+
 /// Why no wind can be told.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -103,6 +109,22 @@ pub enum FitError {
         /// Its value.
         found: f64,
     },
+    /// There is nothing to be seen between frames.
+    #[error(
+        "found a rate of {found} Hz, expected at most {most} Hz: {MAX_STEPS_PER_FRAME} steps a frame of the capture"
+    )]
+    TooFast {
+        /// Steps of the field a second.
+        found: f64,
+        /// The most.
+        most: f64,
+    },
+    /// Nobody knows where the head is.
+    #[error("the head has no pose in any frame")]
+    NoPose,
+    /// A lock needs two markers to have a shape.
+    #[error("no lock has two markers that were seen, at rest too if the session names still frames")]
+    NoLock,
     /// The samples' origins are of another capture.
     #[error("lock {strand_idx}: the origins of its samples do not have the shape of its tracks")]
     Samples {
@@ -128,7 +150,8 @@ pub enum FitError {
 /// that the cameras' noise makes of it. Source: the method's own documentation.
 ///
 /// # Errors
-/// [`FitError`] if there is no motion to explain, no rest where one is needed, or not one sample comes out.
+/// [`FitError`] if there is no motion to explain, no rest where one is needed, the rate is far above the capture's, or not one
+/// sample comes out.
 pub fn fit(
     head: &HeadCapture,
     origins: Option<&[Vec<Vec<Sample>>]>,
@@ -153,6 +176,10 @@ pub fn fit_taught(
 ) -> Result<Fit, FitError> {
     if !(options.rate_hz.is_finite() && options.rate_hz > 0.0) {
         return Err(FitError::NotPositive { what: "rate", found: options.rate_hz });
+    }
+    let most = MAX_STEPS_PER_FRAME * head.rate_hz;
+    if options.rate_hz > most {
+        return Err(FitError::TooFast { found: options.rate_hz, most });
     }
     if head.n_frames() < 2 {
         return Err(FitError::TooFewFrames { found: head.n_frames() });

@@ -137,7 +137,7 @@ impl Seen {
         set: &Set<'_>,
     ) -> Result<Self, FitError> {
         let n_steps = n_steps(head.n_frames(), head.rate_hz, set.rate_hz);
-        let clock = Clock::new(head, n_steps, set.rate_hz).ok_or(FitError::NoSamples { n_missing: 0 })?;
+        let clock = Clock::new(head, n_steps, set.rate_hz).ok_or(FitError::NoPose)?;
         let still = session.still_range(head.first_frame, head.n_frames());
         let gravity_world = -set.up_axis.vector() * STANDARD_GRAVITY;
         let cutoff_hz = set.options.cutoff_hz;
@@ -147,7 +147,7 @@ impl Seen {
             .filter_map(|idx| SeenLock::new(idx, &seeing))
             .collect();
         if locks.is_empty() {
-            return Err(FitError::NoSamples { n_missing: 0 });
+            return Err(FitError::NoLock);
         }
         Ok(Self { clock, still, gravity_world, locks })
     }

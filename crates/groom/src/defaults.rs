@@ -78,6 +78,7 @@ fn complete(raw: RawStrand, index: usize, n_digits: usize, shared_hairs: f64, no
     let length_m = raw.length.unwrap_or(along);
     // A polyline cuts corners: it can be shorter than its curve, never longer.
     notes.too_long += usize::from(along > 1.01 * length_m);
+    notes.too_short += usize::from(length_m > 2.0 * along);
     let drawn = raw.drawn_width.filter(|w| PLAUSIBLE_WIDTH_M.contains(w));
     notes.implausible += usize::from(raw.drawn_width.is_some() && drawn.is_none());
     let known_width = raw.lock_width_m.or(drawn);
@@ -121,6 +122,7 @@ struct Notes {
     damping: Range,
     along: usize,
     too_long: usize,
+    too_short: usize,
     implausible: usize,
 }
 
@@ -178,6 +180,12 @@ impl Notes {
             let n = self.too_long;
             warnings
                 .push(format!("{n} strands are given shorter (length_m) than their rest curve by over 1 %"));
+        }
+        if self.too_short > 0 {
+            let n = self.too_short;
+            warnings.push(format!(
+                "{n} strands are given over twice as long (length_m) as their rest curve: is it in meters?"
+            ));
         }
         if self.implausible > 0 {
             let n = self.implausible;

@@ -44,6 +44,14 @@ pub enum GroomReadError {
         /// What should be.
         expected: String,
     },
+    /// Strands were there, and none can be simulated.
+    #[error("{format} groom: found no strand that can be simulated, expected at least one: {found}")]
+    NoStrands {
+        /// The format.
+        format: GroomFormat,
+        /// What was left out.
+        found: String,
+    },
     /// The format does not say where or how large things are, and the caller did not either.
     #[error("a groom in {format} states no {what}: pass {pass}")]
     NotStated {

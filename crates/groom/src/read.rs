@@ -30,6 +30,9 @@ pub struct ReadGroom {
 pub fn read_groom(bytes: &[u8], options: &GroomOptions) -> Result<ReadGroom, GroomReadError> {
     let (format, mut raw) = read_raw(bytes)?;
     clean(&mut raw);
+    if raw.strands.is_empty() && !raw.warnings.is_empty() {
+        return Err(GroomReadError::NoStrands { format, found: raw.warnings.join("; ") });
+    }
     finish(raw, format, options)
 }
 

@@ -47,42 +47,41 @@ pub fn write_whole<T, E>(
 where
     E: Into<Box<dyn std::error::Error + Send + Sync>>,
 {
-    try_write_whole(path, write).map_err(|source| FileError::Write { path: path.to_owned(), source })
+    let cannot = |source| FileError::Write { path: path.to_owned(), source };
+    let (value, staged) = stage(path, write).map_err(cannot)?;
+    staged.persist(path).map_err(|error| cannot(error.error.into()))?;
+    Ok(value)
 }
 
-fn try_write_whole<T, E>(
+/// Writes a file beside where it will appear, and brings it to the disk.
+pub(crate) fn stage<T, E>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> Result<T, E>,
-) -> Result<T, Box<dyn std::error::Error + Send + Sync>>
+) -> Result<(T, NamedTempFile), Box<dyn std::error::Error + Send + Sync>>
 where
     E: Into<Box<dyn std::error::Error + Send + Sync>>,
 {
     let name = path.file_name().ok_or("the path names no file")?.to_string_lossy();
-    // An empty parent is the current folder.
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
     let temporary = tempfile::Builder::new()
         .prefix(&format!(".{name}."))
         .suffix(".partial")
-        .make_in(folder, open_like_any_other)?;
-    let value = {
-        let mut out = BufWriter::with_capacity(1 << 18, temporary.as_file());
-        let value = write(&mut out).map_err(Into::into)?;
-        out.flush()?;
-        value
-    };
-    persist(temporary, path)?;
-    Ok(value)
+        .make_in(folder(path), open_like_any_other)?;
+    let mut out = BufWriter::with_capacity(1 << 18, temporary.as_file());
+    let value = write(&mut out).map_err(Into::into)?;
+    out.flush()?;
+    drop(out);
+    temporary.as_file().sync_all()?;
+    Ok((value, temporary))
+}
+
+/// The folder of a path; an empty parent is the current folder.
+pub(crate) fn folder(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
 }
 
 /// Temporary files are private to their owner by default; ours becomes an ordinary file, so it is opened as one.
 fn open_like_any_other(path: &Path) -> io::Result<File> {
     File::options().read(true).write(true).create_new(true).open(path)
-}
-
-fn persist(temporary: NamedTempFile, path: &Path) -> io::Result<()> {
-    temporary.as_file().sync_all()?;
-    temporary.persist(path).map_err(|e| e.error)?;
-    Ok(())
 }
 
 #[cfg(test)]

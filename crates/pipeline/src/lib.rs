@@ -2,13 +2,15 @@
 //!
 //! [`prepare`] takes the bytes of a capture and of a session to clean locks in head space and a quality report;
 //! [`measure`] tells their wind on a grid; [`convert`] is both and ends with an [`Eff`](tousle_eff::Eff); [`merge`] makes one
-//! field of several. Paths and clocks stop here: [`read_file`] and [`write_whole`] are the only doors to the disk.
+//! field of several. Paths and clocks stop here: [`read_file`], [`write_whole`] and [`Outputs`] are the only doors to
+//! the disk.
 
 mod attachments;
 mod convert;
 mod files;
 mod measure;
 mod merge;
+mod outputs;
 mod prepare;
 mod report;
 mod watch;
@@ -18,6 +20,7 @@ pub use convert::{ConvertError, ConvertOptions, Converted, GENERATOR, Input, con
 pub use files::{FileError, read_file, write_whole};
 pub use measure::{MeasureOptions, Measured, measure};
 pub use merge::{MergeFilesError, MergeSource, merge};
+pub use outputs::Outputs;
 pub use prepare::{PrepareOptions, Prepared, prepare};
 pub use report::{CaptureSummary, ConversionReport, QualityReport};
 pub use watch::{Silent, Watch};

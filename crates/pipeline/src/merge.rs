@@ -3,6 +3,7 @@ use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::Path;
 use tousle_core::{WindSample, WindSamples};
 use tousle_eff::{Attachment, EffError, Encoding, Head, Reader, WriteOptions, WriteReport, Writer};
 use tousle_field::{Field, Scene};
@@ -193,7 +194,10 @@ impl<'a, R: Read + Seek> Opened<'a, R> {
             _ => [start_secs, start_secs + last],
         };
         InputReport {
-            name: self.name.to_owned(),
+            // Wherever it lies, so that the same files give the same bytes.
+            name: Path::new(self.name)
+                .file_name()
+                .map_or_else(|| self.name.to_owned(), |n| n.to_string_lossy().into_owned()),
             sha256: self.sha256.clone(),
             field: manifest.name.clone(),
             method: manifest.method.clone(),

@@ -1,7 +1,8 @@
 //! `WindSamples` → `FieldSequence`: scattered vectors fill the grid.
 //!
 //! [`rasterize`] takes the vectors measured at markers and gives every voxel of every time step a vector and a
-//! flag that says where it came from. Method `paper` follows section 3.3 of the 2008 paper.
+//! flag that says where it came from. Method `paper` follows section 3.3 of the 2008 paper; `physical` asks the air that was
+//! fitted, and [`add_deviations`] says how sure it is.
 
 mod paper;
 mod physical;
@@ -14,11 +15,10 @@ use tousle_field::{Field, FieldSequence, GridSpec, VoxelFlag};
 use tousle_flow::AirFlow;
 
 /// Which method fills the grid.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum RasterMethod {
     /// Kazama, Sugisaki and Morishima 2008, section 3.3.
-    #[default]
     Paper,
     /// The air that the method `physical` of `fit` found, at every voxel's center.
     Physical,

@@ -17,6 +17,7 @@ pub use report::{RefineReport, Round};
 
 use rounds::{Loop, Turn};
 use std::error::Error;
+use std::num::NonZeroUsize;
 use tousle_core::{HeadCapture, Progress, Sample, Session};
 use tousle_field::{FieldSequence, Scene};
 use tousle_fit::{Fit, FitError, FitOptions};
@@ -28,18 +29,19 @@ pub struct RefineOptions {
     /// The most rounds.
     pub rounds: usize,
     /// Every so many locks one is held out to say how many rounds serve. `None`: all locks are gone round with at once, for as
-    /// long as they themselves come nearer to where they were seen, which costs a third.
-    pub held_out: Option<usize>,
+    /// long as they themselves come nearer to where they were seen; that takes a third of the time.
+    pub held_out: Option<NonZeroUsize>,
 }
 
+/// Two rounds with locks held out: what `--refine` asks for.
 impl Default for RefineOptions {
     fn default() -> Self {
-        Self { rounds: 2, held_out: Some(5) }
+        Self { rounds: 2, held_out: NonZeroUsize::new(5) }
     }
 }
 
 impl RefineOptions {
-    /// One round with all locks: quick enough for every conversion.
+    /// One round with all locks: quick enough for every conversion, which does so unless told otherwise.
     pub fn quick() -> Self {
         Self { rounds: 1, held_out: None }
     }
@@ -102,7 +104,7 @@ pub enum RefineError {
     Sim(#[from] SimError),
 }
 
-/// Mends a measured wind until the wig, simulated in it, moves no more like the seen one.
+/// Mends a measured wind until the wig, simulated in it, comes no nearer to the seen one.
 ///
 /// In: what was measured, from what, and how it is laid on a grid. If some locks are to be held out, the others alone are gone
 /// round with first, and after each round the ones held out are simulated and compared with how they were seen. Then as many rounds
@@ -158,14 +160,15 @@ fn with_some_held_out(
     first: Fit,
     around: &Loop<'_>,
     most_rounds: usize,
-    every: usize,
+    every: NonZeroUsize,
     progress: &dyn Progress,
 ) -> Result<Refined, RefineError> {
     let n_locks = around.wig.strand_idxs.len();
-    if n_locks < 2 * every {
-        return Err(RefineError::TooFewLocks { found: n_locks, expected: 2 * every });
+    let expected = every.get().saturating_mul(2);
+    if n_locks < expected {
+        return Err(RefineError::TooFewLocks { found: n_locks, expected });
     }
-    let held_out = wig::every(around.wig, every);
+    let held_out = wig::every(around.wig, every.get());
     let total = (2 * most_rounds + 1) as u64;
     let mut turn = Turn::first(around, &held_out)?;
     let mut compared = around.compare(&turn)?;

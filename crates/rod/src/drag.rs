@@ -69,7 +69,8 @@ impl DragLaw {
         0.5 * self.air_density * width_m * (speed + viscous)
     }
 
-    /// The speed across a piece at which the air pushes it with a force per length, N/m: the inverse of the law.
+    /// The speed across a piece at which air (of a density above 0) pushes it with a force per length, N/m: the inverse of
+    /// the law.
     ///
     /// Newton's method on a function that is smooth, rising and convex above 0; from above it cannot fail.
     pub fn speed_across(&self, width_m: f64, force: f64) -> f64 {

@@ -59,7 +59,7 @@ pub fn hold_rest(lock: &mut Lock, rest: &Rest, gravity: Vec3, support: &Support<
         }
     }
     let held = stiffness(MARGIN * enough);
-    let times = |(held, own): (&f64, &f64)| if *own > 0.0 { held / own } else { f64::INFINITY };
+    let times = |(held, own): (&f64, &f64)| if *own > 0.0 || held > own { held / own } else { 1.0 };
     let most = held.iter().zip(&lock.joint_stiffness).map(times).fold(1.0, f64::max);
     lock.joint_stiffness = held;
     most

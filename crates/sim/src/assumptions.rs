@@ -3,6 +3,20 @@
 use crate::timeline::Timeline;
 use tousle_core::{Assumption, Groom};
 
+/// Says so where frames lie outside the span of the shot's head.
+fn held_head(timeline: &Timeline<'_>) -> Option<Assumption> {
+    let poses = timeline.shot_head()?;
+    let from = poses.start_secs;
+    let to = from + (poses.poses.len() - 1) as f64 / poses.rate_hz;
+    let [first, last] = [timeline.frame_secs(0), timeline.frame_secs(timeline.n_frames - 1)];
+    let apart = 1.0 / poses.rate_hz;
+    (first < from - apart || last > to + apart).then(|| Assumption {
+        what: "head before and after its motion".to_owned(),
+        value: "held still in its first and last pose".to_owned(),
+        why: format!("found poses from {from:.3} to {to:.3} s for frames from {first:.3} to {last:.3} s"),
+    })
+}
+
 /// What the groom's reader assumed, and what this run did.
 pub(crate) fn assumptions(
     groom: &Groom,
@@ -16,6 +30,9 @@ pub(crate) fn assumptions(
             value: "faces where the head faces in the shot's first pose".to_owned(),
             why: "a pose track says nothing of the shoulders".to_owned(),
         });
+    }
+    if let Some(assumption) = held_head(timeline) {
+        assumed.push(assumption);
     }
     let tilt = timeline.tilt_at_start();
     if tilt > 1e-3 {

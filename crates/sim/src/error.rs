@@ -1,7 +1,7 @@
 use tousle_core::GroomError;
 use tousle_field::FieldError;
 
-/// Why a simulation was refused.
+/// Why there is no motion.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimError {

@@ -52,8 +52,8 @@ use tousle_rod::Surface;
 /// whatever the number of threads of the rayon pool this runs in.
 ///
 /// # Errors
-/// [`SimError`] if an option, the field, the scene or the groom cannot be used, or if the step is beyond what
-/// the integrator stands; always before the first step.
+/// Before the first step, [`SimError`] if an option, the field, the scene or the groom cannot be used, or if the step is
+/// beyond what the integrator stands; after the last, [`SimError::BlewUp`] of integrators that do not stand every step.
 pub fn simulate(
     field: &FieldSequence,
     scene: &Scene,

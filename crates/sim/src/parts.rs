@@ -5,12 +5,13 @@
 use crate::SimError;
 use crate::frames::Frames;
 use std::error::Error;
+use std::num::NonZeroUsize;
 use tousle_core::{Groom, Progress};
 
 /// Keeps the parts of a run that are done, so that a run that was stopped can go on.
 pub trait Keeper {
     /// Strands of a part; `None` for some seconds' work.
-    fn strands_per_part(&self) -> Option<usize>;
+    fn strands_per_part(&self) -> Option<NonZeroUsize>;
 
     /// The part of this number, from 0, if it was kept.
     ///
@@ -72,7 +73,7 @@ pub(crate) fn run_parts(
 ) -> Result<Part, SimError> {
     let all: Vec<usize> = (0..groom.strands.len()).collect();
     let Some(keeper) = keeper else { return Ok(run(&all, progress)) };
-    let n = keeper.strands_per_part().unwrap_or_else(|| some_seconds(groom, n_steps));
+    let n = keeper.strands_per_part().map_or_else(|| some_seconds(groom, n_steps), NonZeroUsize::get);
     let mut frames = Frames::new(groom, &all, n_frames);
     let mut count = Count::default();
     let mut done = 0;

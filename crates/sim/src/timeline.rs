@@ -149,7 +149,11 @@ impl<'a> Timeline<'a> {
         check_above_zero("dt_secs", dt_secs)?;
         let steps = (1.0 / (self.rate_hz * dt_secs) - 1e-6).ceil().max(1.0);
         if steps > MAX_STEPS_PER_FRAME {
-            return Err(bad_option("dt_secs", dt_secs, "at most 1e6 steps a frame"));
+            return Err(bad_option(
+                "dt_secs",
+                dt_secs,
+                "at most 1e6 steps a frame (an explicit integrator's own limit may ask for more)",
+            ));
         }
         self.steps_per_frame = steps as usize;
         Ok(())
@@ -203,6 +207,11 @@ impl<'a> Timeline<'a> {
     /// Whether the head's motion is the shot's own.
     pub fn has_shot_head(&self) -> bool {
         self.head.is_shot
+    }
+
+    /// The head's motion, if it is the shot's own.
+    pub fn shot_head(&self) -> Option<&PoseTrack> {
+        self.head.is_shot.then_some(self.head.poses)
     }
 
     /// How the field is best read by some points in every step.

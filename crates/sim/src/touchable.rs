@@ -27,7 +27,7 @@ pub(crate) fn touchable(
     rest: &Rest,
 ) -> Vec<Touchable> {
     let n = lock.n_sticks();
-    let nearest =
+    let largest_clearance_m =
         |collider: usize| rest.clearances_m[collider * n..][..n].iter().copied().fold(0.0, f64::max);
     (0..surfaces.len())
         .map(|collider| Touchable {
@@ -36,9 +36,9 @@ pub(crate) fn touchable(
         })
         .filter(|t| {
             let comes = t.on_torso && timeline.terms.head_movement;
-            // An ellipsoid's distance is of first order: it may say up to twice too much.
-            let distance = 0.5 * surfaces[t.collider].gap(lock.root_m).distance_m;
-            comes || distance <= lock.reach_m() + nearest(t.collider)
+            let distance_m = surfaces[t.collider].gap(lock.root_m).distance_m;
+            // An ellipsoid's distance is of first order, never too large: what comes near is felt somewhat farther out.
+            comes || distance_m <= lock.reach_m() + 2.0 * largest_clearance_m(t.collider)
         })
         .collect()
 }

@@ -8,6 +8,7 @@ use common::{groom, mannequin, options, physical, straight, uniform};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::error::Error;
+use std::num::NonZeroUsize;
 use tousle_core::{Groom, NoProgress, Quantity, Vec3};
 use tousle_sim::{Integrator, Keeper, Part, SimError, SimOptions, Simulation, simulate, simulate_kept};
 
@@ -18,8 +19,8 @@ struct Shelf {
 }
 
 impl Keeper for Shelf {
-    fn strands_per_part(&self) -> Option<usize> {
-        Some(16)
+    fn strands_per_part(&self) -> Option<NonZeroUsize> {
+        NonZeroUsize::new(16)
     }
 
     fn kept(&self, part: usize) -> Result<Option<Part>, Box<dyn Error + Send + Sync>> {

@@ -18,6 +18,8 @@ pub struct Layer {
 pub struct Prim {
     /// Whether it is a thing or an opinion.
     pub specifier: Specifier,
+    /// Whether it is there at all: what is not active is no part of the scene, and nothing below it.
+    pub is_active: bool,
     /// `Xform`, `BasisCurves`; empty where the prim has none.
     pub type_name: String,
     /// Its own name, the last of its path.

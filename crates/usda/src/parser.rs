@@ -97,9 +97,17 @@ impl<'a> Parser<'a> {
                 token => return Err(self.unexpected(token, "a prim's type or name")),
             }
         };
-        let mut prim = Prim { specifier, type_name, name, properties: BTreeMap::new(), children: Vec::new() };
+        let mut prim = Prim {
+            specifier,
+            is_active: true,
+            type_name,
+            name,
+            properties: BTreeMap::new(),
+            children: Vec::new(),
+        };
         if self.lexer.peek()? == Token::Sign('(') {
-            self.metadata(&prim.name)?;
+            let metadata = self.metadata(&prim.name)?;
+            prim.is_active = metadata.get("active").and_then(Value::number) != Some(0.0);
         }
         self.expect('{')?;
         loop {

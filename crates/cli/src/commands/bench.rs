@@ -33,14 +33,14 @@ fn sim(args: &BenchSimArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let options = SimBenchOptions { parts, captures: args.captures.clone(), torso_grip: args.torso_grip };
     let report = sim::run(sample, &options, &*stage)?;
     drop(stage);
-    print!("{}", report.to_text());
+    say!("{}", report.to_text());
     let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
     make_folder(folder)?;
     for (name, text) in report.files() {
         write_text(folder, &name, &text)?;
     }
     write_text(folder, "sim.html", &report.to_html(&tousle_bench::when_and_where()))?;
-    println!("wrote {}", folder.join("sim.html").display());
+    sayln!("wrote {}", folder.join("sim.html").display());
     Ok(Outcome::Fine)
 }
 
@@ -53,9 +53,9 @@ fn wind(args: &BenchWindArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let report = measure::run(&args.captures, &args.names, &settings, &*stage)?;
     drop(stage);
     let table = report.table();
-    print!("{}", table.to_text());
+    say!("{}", table.to_text());
     if args.leave_one_out {
-        print!("{}", report.leave_one_out().to_text());
+        say!("{}", report.leave_one_out().to_text());
     }
     let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
     make_folder(folder)?;
@@ -67,7 +67,7 @@ fn wind(args: &BenchWindArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     write_text(folder, "wind.csv", &table.to_csv())?;
     write_text(folder, "wind-calibration.svg", &report.calibration_plot().standalone_svg())?;
     write_text(folder, "wind.html", &report.to_html(&tousle_bench::when_and_where()))?;
-    println!("wrote {}", folder.join("wind.html").display());
+    sayln!("wrote {}", folder.join("wind.html").display());
     Ok(Outcome::Fine)
 }
 
@@ -78,7 +78,7 @@ fn direct(args: &BenchDirectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> 
     let stage = watch.stage("bench");
     let report = direct::run(&args.captures, &options, &*stage)?;
     drop(stage);
-    print!("{}", report.to_text());
+    say!("{}", report.to_text());
     let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
     make_folder(folder)?;
     for (name, table) in [
@@ -90,7 +90,7 @@ fn direct(args: &BenchDirectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> 
         ("direct-hand", report.hand_table()),
     ] {
         write_text(folder, &format!("{name}.csv"), &table.to_csv())?;
-        println!("wrote {}", folder.join(format!("{name}.csv")).display());
+        sayln!("wrote {}", folder.join(format!("{name}.csv")).display());
     }
     Ok(Outcome::Fine)
 }
@@ -105,11 +105,11 @@ fn file(args: &BenchFileArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
             .with_context(|| format!("cannot measure {}", path.display()))?;
     }
     drop(stage);
-    print!("{}", table.to_text());
+    say!("{}", table.to_text());
     let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
     make_folder(folder)?;
     write_text(folder, "file.csv", &table.to_csv())?;
-    println!("wrote {}", folder.join("file.csv").display());
+    sayln!("wrote {}", folder.join("file.csv").display());
     Ok(Outcome::Fine)
 }
 
@@ -117,7 +117,7 @@ fn paper(args: &BenchArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let stage = watch.stage("bench");
     let report = paper::run(&args.captures, &PaperBenchOptions::default(), &*stage)?;
     drop(stage);
-    print!("{}", report.to_text());
+    say!("{}", report.to_text());
     let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
     make_folder(folder)?;
     for (name, table) in ["motion", "field", "cost", "summary"].iter().zip(report.tables()) {
@@ -125,7 +125,7 @@ fn paper(args: &BenchArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     }
     write_text(folder, "paper.json", &report.to_json())?;
     write_text(folder, "paper.html", &report.to_html())?;
-    println!("wrote {}", folder.join("paper.html").display());
+    sayln!("wrote {}", folder.join("paper.html").display());
     Ok(Outcome::Fine)
 }
 

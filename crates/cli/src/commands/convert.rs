@@ -1,4 +1,7 @@
-use super::{check_ending, name, print_json, quality, read_options, write_eff, write_options};
+use super::{
+    check_apart, check_ending, check_folder, name, print_json, quality, read_options, write_eff,
+    write_options,
+};
 use crate::args::{ConvertArgs, MethodArg, ReadingArg};
 use crate::ui::Outcome;
 use std::fmt::Write;
@@ -10,14 +13,17 @@ use tousle_refine::RefineOptions;
 /// `tousle convert`
 pub fn run(args: &ConvertArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     check_ending(&args.output, &["mcap"])?;
+    check_apart(&args.output, &[&args.capture, &args.session])?;
+    check_folder(&args.output)?;
     quality::check_reports(&args.report)?;
     let pack = write_options(&args.pack)?;
+    let options = options(args)?;
     let capture = read_file(&args.capture)?;
     let session = read_file(&args.session)?;
     let converted = tousle_pipeline::convert(
         Input { name: &name(&args.capture), bytes: &capture },
         Input { name: &name(&args.session), bytes: &session },
-        &options(args),
+        &options,
         watch,
     )?;
     let written = write_eff(&converted.eff, &args.output, &pack, watch)?;
@@ -26,8 +32,8 @@ pub fn run(args: &ConvertArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     if args.json {
         print_json(report)?;
     } else {
-        print!("{}", summary(report));
-        println!(
+        say!("{}", summary(report));
+        sayln!(
             "wrote {} ({} steps, {:.1} MB)",
             args.output.display(),
             written.n_steps,
@@ -40,11 +46,22 @@ pub fn run(args: &ConvertArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     Ok(if report.losses.is_empty() { Outcome::Fine } else { Outcome::WithLoss })
 }
 
-fn options(args: &ConvertArgs) -> ConvertOptions {
+fn options(args: &ConvertArgs) -> anyhow::Result<ConvertOptions> {
+    if args.method != MethodArg::Paper {
+        for (option, is_given) in
+            [("--reading", args.reading.is_some()), ("--span-ms", args.span_ms.is_some())]
+        {
+            if is_given {
+                wrong!(
+                    "{option}: found without --method paper, expected with it: it says how the paper's equation E3 is read"
+                );
+            }
+        }
+    }
     let reading = match args.reading {
-        ReadingArg::FirstFrame => PaperReading::FirstFrame,
-        ReadingArg::SlidingWindow => PaperReading::SlidingWindow,
-        ReadingArg::RestPose => PaperReading::RestPose,
+        Some(ReadingArg::FirstFrame) => PaperReading::FirstFrame,
+        Some(ReadingArg::SlidingWindow) => PaperReading::SlidingWindow,
+        Some(ReadingArg::RestPose) | None => PaperReading::RestPose,
     };
     let span = args.span_ms.map_or(PaperSpan::FreeFall, |ms| PaperSpan::Secs(ms * 1e-3));
     let method = match args.method {
@@ -56,13 +73,13 @@ fn options(args: &ConvertArgs) -> ConvertOptions {
         clean: (!args.no_clean).then(CleanOptions::default),
         ..PrepareOptions::default()
     };
-    ConvertOptions {
+    Ok(ConvertOptions {
         prepare,
         fit: FitOptions { method, rate_hz: args.rate_hz, ..FitOptions::default() },
         refine: Some(if args.refine { RefineOptions::default() } else { RefineOptions::quick() }),
         extent_m: args.extent_mm * 1e-3,
         edge_m: args.voxel_mm * 1e-3,
-    }
+    })
 }
 
 /// What happened, in a few lines.

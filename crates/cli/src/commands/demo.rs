@@ -36,8 +36,8 @@ pub fn run(args: &DemoArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     export(&converted.eff, &folder, &mut log)?;
     page(&folder, &log, &converted, &groom, &simulated, &edited, &effects)?;
 
-    print!("{}", log.text());
-    println!("\nopen {}", folder.path.join("index.html").display());
+    say!("{}", log.text());
+    sayln!("\nopen {}", folder.path.join("index.html").display());
     Ok(Outcome::Fine)
 }
 

@@ -14,16 +14,11 @@ pub fn run(args: &ExportArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     if ending(&args.output) == "npz" {
         write_whole(&args.output, |out| tousle_export::write_field_npz(&eff.field, out))?;
         drop(stage);
-        println!("wrote {}", args.output.display());
+        sayln!("wrote {}", args.output.display());
     } else {
         let files = write_vdbs(&eff.field, args, &*stage)?;
         drop(stage);
-        println!(
-            "wrote {} files, {} to {}",
-            files.len(),
-            files[0].display(),
-            files[files.len() - 1].display()
-        );
+        sayln!("wrote {} files, {} to {}", files.len(), files[0].display(), files[files.len() - 1].display());
     }
     Ok(Outcome::Fine)
 }

@@ -46,9 +46,9 @@ pub fn run(args: &ImportArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         print_json(&report)?;
     } else {
         for assumption in &report.assumed {
-            println!("   assumed  {} = {} ({})", assumption.what, assumption.value, assumption.why);
+            sayln!("   assumed  {} = {} ({})", assumption.what, assumption.value, assumption.why);
         }
-        println!(
+        sayln!(
             "wrote {} ({} steps, {:.1} MB)",
             args.output.display(),
             written.n_steps,

@@ -15,6 +15,16 @@ const MCAP_MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
 /// `tousle inspect`
 pub fn run(args: &InspectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
+    let read = [
+        ("--unit", args.read.unit.is_some()),
+        ("--subject", args.read.subject.is_some()),
+        ("--allow-cut", args.read.allow_cut),
+    ];
+    if let (None, Some((option, _))) = (&args.session, read.iter().find(|(_, is_given)| *is_given)) {
+        wrong!(
+            "{option}: found without --session, expected with it: a capture is told as its file has it otherwise"
+        );
+    }
     let bytes = read_file(&args.file)?;
     let cannot = || format!("cannot inspect {}", args.file.display());
     if bytes.starts_with(MCAP_MAGIC) {
@@ -46,7 +56,7 @@ fn show<T: serde::Serialize>(json: bool, summary: &T, table: impl Fn(&T) -> Stri
     if json {
         print_json(summary)?;
     } else {
-        print!("{}", table(summary));
+        say!("{}", table(summary));
     }
     Ok(())
 }

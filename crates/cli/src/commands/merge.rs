@@ -1,7 +1,7 @@
 use super::{check_ending, name, print_json, write_options};
 use crate::args::{MergeArgs, SpanArg};
 use crate::ui::Outcome;
-use anyhow::{Context, bail};
+use anyhow::Context;
 use std::fmt::Write;
 use std::fs::File;
 use std::io::BufReader;
@@ -15,7 +15,7 @@ pub fn run(args: &MergeArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let names: Vec<String> = args.fields.iter().map(|path| name(path)).collect();
     let n_offsets = args.offset_secs.len();
     if ![0, names.len()].contains(&n_offsets) {
-        bail!("--offset-secs: found {n_offsets} numbers, expected {}, one a field", names.len());
+        wrong!("--offset-secs: found {n_offsets} numbers, expected {}, one a field", names.len());
     }
     let offsets = args.offset_secs.iter().copied().chain(std::iter::repeat(0.0));
     let mut sources = Vec::new();
@@ -29,9 +29,9 @@ pub fn run(args: &MergeArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     if args.json {
         print_json(&report)?;
     } else {
-        print!("{}", summary(&report));
+        say!("{}", summary(&report));
         let megabytes = written.n_bytes as f64 / 1e6;
-        println!("wrote {} ({} steps, {megabytes:.1} MB)", args.output.display(), written.n_steps);
+        sayln!("wrote {} ({} steps, {megabytes:.1} MB)", args.output.display(), written.n_steps);
     }
     for warning in &report.warnings {
         eprintln!("warning: {warning}");

@@ -1,4 +1,4 @@
-use super::{check_ending, print_json, read_file, write_whole};
+use super::{check_apart, check_ending, print_json, read_file, write_whole};
 use crate::args::MigrateArgs;
 use crate::ui::Outcome;
 use std::io::Cursor;
@@ -7,6 +7,7 @@ use tousle_pipeline::Watch;
 /// `tousle migrate`
 pub fn run(args: &MigrateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     check_ending(&args.output, &["mcap"])?;
+    check_apart(&args.output, &[&args.field])?;
     let bytes = read_file(&args.field)?;
     let stage = watch.stage("migrate");
     let migration = write_whole(&args.output, |out| tousle_eff::migrate(Cursor::new(&bytes), out, &*stage))?;
@@ -14,8 +15,8 @@ pub fn run(args: &MigrateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     if args.json {
         print_json(&migration)?;
     } else {
-        println!("from version {} to {}", migration.from, migration.to);
-        println!("wrote {}", args.output.display());
+        sayln!("from version {} to {}", migration.from, migration.to);
+        sayln!("wrote {}", args.output.display());
     }
     Ok(Outcome::Fine)
 }

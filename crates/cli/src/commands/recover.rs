@@ -1,4 +1,4 @@
-use super::{check_ending, print_json, read_file, write_whole};
+use super::{check_apart, check_ending, print_json, read_file, write_whole};
 use crate::args::RecoverArgs;
 use crate::ui::Outcome;
 use std::io::Cursor;
@@ -7,6 +7,7 @@ use tousle_pipeline::Watch;
 /// `tousle recover`
 pub fn run(args: &RecoverArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     check_ending(&args.output, &["mcap"])?;
+    check_apart(&args.output, &[&args.field])?;
     let bytes = read_file(&args.field)?;
     let stage = watch.stage("recover");
     let recovery = write_whole(&args.output, |out| tousle_eff::recover(Cursor::new(&bytes), out, &*stage))?;
@@ -15,8 +16,8 @@ pub fn run(args: &RecoverArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         print_json(&recovery)?;
     } else {
         let expected = recovery.n_steps_expected.map_or_else(String::new, |n| format!(" of {n}"));
-        println!("saved {}{expected} steps, {} of them bridged", recovery.n_steps, recovery.bridged.len());
-        println!("wrote {}", args.output.display());
+        sayln!("saved {}{expected} steps, {} of them bridged", recovery.n_steps, recovery.bridged.len());
+        sayln!("wrote {}", args.output.display());
     }
     for loss in &recovery.losses {
         eprintln!("loss: {}: {}", loss.what, loss.why);

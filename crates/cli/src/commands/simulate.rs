@@ -1,15 +1,13 @@
 mod body;
 mod guided;
 mod head;
-mod outputs;
 mod resume;
 
-use super::{check_ending, ending, print_json, read_groom, unusable};
+use super::{check_apart, check_ending, check_folder, ending, print_json, read_groom, unusable};
 use crate::args::{ShapeArg, SimulateArgs};
 use crate::ui::Outcome;
-use anyhow::{Context, bail};
+use anyhow::Context;
 use guided::Simulated;
-use outputs::Outputs;
 use resume::Resumable;
 use std::fs::File;
 use std::io::{Seek, Write};
@@ -18,15 +16,18 @@ use tousle_core::{Groom, Quantity, StrandMotion};
 use tousle_eff::{Eff, Part, ReadOptions, Reader};
 use tousle_export::{ExportError, HairGeometry, UsdOptions};
 use tousle_field::Scene;
-use tousle_pipeline::{Watch, write_whole};
+use tousle_pipeline::{Outputs, Watch, write_whole};
 use tousle_sim::{Method, PlanEntry, Precision, SimOptions};
 
 /// `tousle simulate`
 pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
+    let inputs = [args.field.as_path(), args.groom.as_path()];
     for (k, output) in args.output.iter().enumerate() {
         check_ending(output, &["npz", "usda"])?;
+        check_apart(output, &inputs)?;
+        check_folder(output)?;
         if args.output[..k].contains(output) {
-            bail!("output {}: found it twice, expected each once", output.display());
+            wrong!("output {}: found it twice, expected each once", output.display());
         }
     }
     let Asked { mut eff, mut options, plan } = read_field(args)?;
@@ -54,9 +55,9 @@ pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     if args.json {
         print_json(&simulated)?;
     } else {
-        print!("{}", summary(&simulated, args.explain));
+        say!("{}", summary(&simulated, args.explain));
         for output in &args.output {
-            println!("wrote {}", output.display());
+            sayln!("wrote {}", output.display());
         }
     }
     Ok(Outcome::Fine)

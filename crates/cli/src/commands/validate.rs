@@ -97,7 +97,7 @@ fn groom(bytes: &[u8]) -> Option<ByHand> {
 
 fn print(verdict: &Verdict) {
     if let Some(error) = &verdict.error {
-        println!("{}: {error}", verdict.file);
+        sayln!("{}: {error}", verdict.file);
     }
     let (findings, n_more): (Vec<String>, usize) = match &verdict.found {
         Some(Found::Field(v)) => (v.findings.iter().map(ToString::to_string).collect(), v.n_more),
@@ -105,15 +105,15 @@ fn print(verdict: &Verdict) {
         None => return,
     };
     let (n, sound) = (findings.len(), if verdict.is_sound() { "sound" } else { "NOT SOUND" });
-    println!(
+    sayln!(
         "{}: {sound}{}",
         verdict.file,
         if n == 0 { String::new() } else { format!(", {n} finding{}", if n == 1 { "" } else { "s" }) }
     );
     for finding in findings {
-        println!("  {finding}");
+        sayln!("  {finding}");
     }
     if n_more > 0 {
-        println!("  … and {n_more} more");
+        sayln!("  … and {n_more} more");
     }
 }

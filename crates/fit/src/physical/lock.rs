@@ -45,7 +45,7 @@ pub(crate) struct LockAt {
 /// Length of a stick, m, about: a third of the distance of markers, so that what lies between them is drawn out.
 const STICK_M: f64 = 0.018;
 
-/// The shortest stick that is worth its joint, m: what hangs beyond the last marker.
+/// The shortest stick that is worth its joint, m: between markers, and of what hangs beyond the last.
 const LEAST_STICK_M: f64 = 3e-3;
 
 /// Distance of the places at which the wind is asked for, m: some swirls are as small as 10 cm across.
@@ -75,7 +75,7 @@ pub(crate) struct Seeing<'a> {
 }
 
 impl SeenLock {
-    /// `None` if fewer than two markers were seen.
+    /// `None` if fewer than two markers are of use: seen, at rest too if it is known when hair hung still, and apart.
     pub(crate) fn new(strand_idx: usize, seeing: &Seeing<'_>) -> Option<Self> {
         let spec = &seeing.session.strands[strand_idx];
         let strand = seeing.head.strands.iter().find(|s| s.strand_idx == strand_idx)?;
@@ -86,7 +86,7 @@ impl SeenLock {
         for (marker_idx, track) in strand.markers.iter().enumerate() {
             let place_m = marker_place_m(spec, marker_idx);
             let samples = seeing.origins.map(|o| &o[strand_idx][marker_idx][..]);
-            let is_apart = place_m > knots_m.last().copied().unwrap_or(0.0) + 3e-3;
+            let is_apart = place_m > knots_m.last().copied().unwrap_or(0.0) + LEAST_STICK_M;
             let motion = marker_motion(track, samples, seeing.clock, seeing.cutoff_hz);
             let range = seeing.still.unwrap_or((0, track.n_frames() - 1));
             let seen: Vec<Vec3> = (range.0..=range.1).filter_map(|f| track.at(f)).collect();

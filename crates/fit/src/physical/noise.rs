@@ -24,7 +24,8 @@ const BEND_UNKNOWN: f64 = 0.4;
 /// Error of what a joint held at rest, as a share of it.
 const REST_SHARE: f64 = 0.15;
 
-/// How long an error lasts, s: neighboring steps err together, which counts as a larger error of each.
+/// How long the errors of this covariance last, s: neighboring steps err together, which counts as a larger error of each,
+/// whatever [`PhysicalOptions::errors_last_secs`](crate::PhysicalOptions::errors_last_secs) makes of how they change.
 const ERROR_LASTS_SECS: f64 = 0.1;
 
 /// The covariance of a lock's imbalance at a step, (N·m)².

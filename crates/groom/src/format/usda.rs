@@ -25,7 +25,23 @@ pub(super) fn read(text: &[u8]) -> Result<RawGroom, GroomReadError> {
     for prim in &layer.prims {
         visit(prim, "", &Matrix4::identity(), &mut curves)?;
     }
-    curves.finish().ok_or_else(|| bad("the layer".to_owned(), "no BasisCurves", "some"))
+    let warnings = curves.raw.warnings.clone();
+    curves.finish().ok_or_else(|| {
+        let found = [vec!["no BasisCurves".to_owned()], warnings].concat().join("; ");
+        bad("the layer".to_owned(), &found, "some")
+    })
+}
+
+/// What would not be seen of a prim, or not only where it stands, in words.
+fn unlike_others(prim: &Prim) -> Option<&'static str> {
+    if prim.text("visibility") == Some("invisible") {
+        return Some("it is invisible, and is taken all the same");
+    }
+    if matches!(prim.text("purpose"), Some("guide" | "proxy")) {
+        return Some("its purpose is not to be rendered, and it is taken all the same");
+    }
+    (prim.type_name == "PointInstancer")
+        .then_some("its instances were not followed: what it repeats is taken once")
 }
 
 /// Takes in a prim's curves and those below it. `over` and `class` prims are opinions, not things.
@@ -39,6 +55,13 @@ fn visit(
         return Ok(());
     }
     let path = format!("{parent}/{}", prim.name);
+    if !prim.is_active {
+        curves.raw.warnings.push(format!("{path}: it is not active, and was left out with all below it"));
+        return Ok(());
+    }
+    if let Some(words) = unlike_others(prim) {
+        curves.raw.warnings.push(format!("{path}: {words}"));
+    }
     let local = tousle_usda::local(prim, &path, None)?;
     let world_from_prim = if local.resets { local.matrix } else { world_from_parent * local.matrix };
     if prim.type_name == "BasisCurves" {

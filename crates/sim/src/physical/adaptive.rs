@@ -4,6 +4,7 @@ use super::batch::{Batch, Model};
 use super::implicit::Formula;
 use super::link::Work;
 use super::scene::{Carry, Now};
+use crate::SimOptions;
 use crate::lane::Lane;
 use crate::timeline::Timeline;
 use tousle_field::{Reading, Sampler};
@@ -21,6 +22,23 @@ pub(crate) struct Pace {
 const SHORTEST_SECS: f64 = 2e-5;
 const LONGEST_SECS: f64 = 0.02;
 
+/// How exact steps are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Precise {
+    /// The most that any step may be off at any point, m.
+    tolerance_m: f64,
+    /// The longest step, s.
+    longest_secs: f64,
+}
+
+impl Precise {
+    /// As the options have it.
+    pub fn of(options: &SimOptions) -> Self {
+        let longest_secs = options.dt_secs.map_or(LONGEST_SECS, |dt_secs| dt_secs.min(LONGEST_SECS));
+        Self { tolerance_m: options.tolerance_m, longest_secs }
+    }
+}
+
 impl Pace {
     /// Before the first step.
     pub fn new() -> Self {
@@ -29,7 +47,7 @@ impl Pace {
 }
 
 impl<L: Lane> Batch<L> {
-    /// Steps from one time to another. `tolerance_m`: the most that any step may be off at any point.
+    /// Steps from one time to another.
     pub fn advance(
         &mut self,
         pace: &mut Pace,
@@ -37,14 +55,14 @@ impl<L: Lane> Batch<L> {
         model: &Model,
         world: (&Timeline<'_>, &Sampler<'_>),
         (from_secs, to_secs): (f64, f64),
-        tolerance_m: f64,
+        Precise { tolerance_m, longest_secs }: Precise,
     ) {
         let (timeline, sampler) = world;
         let mut time = from_secs;
         while time < to_secs {
             let left = to_secs - time;
             // A step that would leave a crumb is stretched over it, one that would leave less than itself is halved.
-            let dt = match pace.next_secs.clamp(SHORTEST_SECS, LONGEST_SECS) {
+            let dt = match pace.next_secs.clamp(SHORTEST_SECS.min(longest_secs), longest_secs) {
                 dt if dt >= 0.999 * left => left,
                 dt if dt > 0.5 * left => 0.5 * left,
                 dt => dt,

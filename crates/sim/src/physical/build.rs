@@ -62,6 +62,9 @@ fn torque_to_load(bend: Vec3, torque: Vec3) -> Vec3 {
     transposed / ((1.0 + s2) * (1.0 + s2))
 }
 
+/// Length of a stick without mass that follows a shorter strand's tip, m.
+const LENGTH_BEYOND_M: f64 = 0.01;
+
 /// Puts up to as many strands as there are lanes side by side.
 pub(super) fn build<L: Lane>(strands: &[&Prepared], law: &DragLaw) -> Batch<L> {
     let of = |lane: usize| strands[lane.min(strands.len() - 1)];
@@ -74,7 +77,7 @@ pub(super) fn build<L: Lane>(strands: &[&Prepared], law: &DragLaw) -> Batch<L> {
     };
     let links: Vec<Link<L>> = (0..n)
         .map(|k| Link {
-            length: per_stick(k, &|p| p.lock.lengths_m[k], 0.01),
+            length: per_stick(k, &|p| p.lock.lengths_m[k], LENGTH_BEYOND_M),
             mass: per_stick(k, &|p| p.lock.masses_kg[k], 0.0),
             stiffness: per_stick(k, &|p| p.lock.joint_stiffness[k], 1e-6),
             damping_secs: per_stick(k, &|p| p.lock.damping_secs, 0.0),
@@ -99,7 +102,16 @@ pub(super) fn build<L: Lane>(strands: &[&Prepared], law: &DragLaw) -> Batch<L> {
             ),
         })
         .collect();
-    let states: Vec<State<L>> = (0..n).map(|k| state_at_rest(k, &of)).collect();
+    let points_m: Vec<Vec<Vec3>> = strands.iter().map(|p| p.lock.rest_points()).collect();
+    let point = |lane: usize, point: usize| {
+        let own = &points_m[lane.min(strands.len() - 1)];
+        own.get(point).copied().unwrap_or_else(|| {
+            let beyond = (point + 1 - own.len()) as f64 * LENGTH_BEYOND_M;
+            own[own.len() - 1] + *of(lane).lock.rest_directions.last().unwrap_or(&Vec3::x()) * beyond
+        })
+    };
+    let state = |k: usize| state_at_rest(k, Vector::from_fn(|lane| point(lane, k + 1)), &of);
+    let states: Vec<State<L>> = (0..n).map(state).collect();
     let touchable: Vec<_> = reached(strands).iter().map(|t| touchable(t.collider, n, &of)).collect();
     Batch {
         n_strands: strands.len(),
@@ -125,20 +137,15 @@ pub(super) fn contact_stiffness(lock: &Lock) -> f64 {
     lock.masses_kg.iter().sum::<f64>() / lock.n_sticks() as f64 * CONTACT_RATE * CONTACT_RATE
 }
 
-fn state_at_rest<'a, L: Lane>(stick: usize, of: &impl Fn(usize) -> &'a Prepared) -> State<L> {
+/// A stick at rest, by where its far end is.
+fn state_at_rest<'a, L: Lane>(
+    stick: usize,
+    place: Vector<L>,
+    of: &impl Fn(usize) -> &'a Prepared,
+) -> State<L> {
     // Sticks beyond a strand's own tip go on straight.
     let turn_of = |p: &Prepared| p.shape.turns[stick.min(p.shape.turns.len() - 1)];
     let turn = turn_lanes(|lane| turn_of(of(lane)));
-    let place = Vector::from_fn(|lane| {
-        let p = of(lane);
-        let mut end = p.lock.root_m;
-        for k in 0..=stick {
-            let own = k < p.lock.n_sticks();
-            let direction = p.lock.rest_directions[k.min(p.lock.n_sticks() - 1)];
-            end += direction * if own { p.lock.lengths_m[k] } else { 0.01 };
-        }
-        end
-    });
     let bend = Vector::from_fn(|lane| {
         let turns = &of(lane).shape.turns;
         if stick == 0 || stick >= turns.len() {

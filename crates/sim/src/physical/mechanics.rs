@@ -1,6 +1,6 @@
 //! The method `physical` as a run asks for it.
 
-use super::adaptive::Pace;
+use super::adaptive::{Pace, Precise};
 use super::batch::{Batch, Model};
 use super::build::{Prepared, Shape, build, contact_stiffness};
 use super::explicit::Swing;
@@ -27,8 +27,8 @@ pub(crate) struct Physical {
     model: Model,
     integrator: Integrator,
     formula: Formula,
-    /// [`Integrator::Adaptive`]: the most that a step may be off, m.
-    tolerance_m: f64,
+    /// Of [`Integrator::Adaptive`].
+    precise: Precise,
     law: DragLaw,
     /// Whether the hair hangs at the start as it does at rest. A head that is held otherwise sets it going.
     hangs_still: bool,
@@ -136,7 +136,7 @@ impl Mechanics for Physical {
             model,
             integrator,
             formula,
-            tolerance_m: options.tolerance_m,
+            precise: Precise::of(options),
             law,
             hangs_still: timeline.tilt_at_start() == 0.0,
             spin: if terms.head_movement { spin } else { Vec3::zeros() },
@@ -192,7 +192,7 @@ impl Mechanics for Physical {
             World::Rk4(now) => strands.step_rk4(swing, work, model, now, formula.dt_secs),
             World::Adaptive(_, _, None) => (),
             World::Adaptive(timeline, sampler, Some(span)) => {
-                strands.advance(pace, work, model, (timeline, sampler), *span, self.tolerance_m);
+                strands.advance(pace, work, model, (timeline, sampler), *span, self.precise);
             }
         }
     }

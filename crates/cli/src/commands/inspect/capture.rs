@@ -30,9 +30,9 @@ pub(super) fn run(args: &InspectArgs, bytes: &[u8], watch: &dyn Watch) -> anyhow
         (true, None) => print_json(&summary)?,
         (true, Some(quality)) => print_json(&WithQuality { summary: &summary, quality })?,
         (false, quality) => {
-            print!("{}", table(&summary));
+            say!("{}", table(&summary));
             if let Some(quality) = quality {
-                print!("\n{}", quality::summary(quality));
+                say!("\n{}", quality::summary(quality));
             }
         }
     }

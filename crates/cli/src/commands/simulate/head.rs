@@ -1,7 +1,7 @@
 //! The shot's own head motion: `.npz`, or a transform in USD text.
 
 use crate::args::SimulateArgs;
-use anyhow::{Context, bail};
+use anyhow::Context;
 use std::path::{Path, PathBuf};
 use tousle_core::{Assumption, PoseTrack, Vec3};
 use tousle_eff::Eff;
@@ -22,7 +22,7 @@ pub fn read_head(args: &SimulateArgs, eff: &Eff) -> anyhow::Result<Option<ShotHe
     let (path, prim) = split(name);
     let is_usd = super::ending(&path).starts_with("usd");
     if !is_usd && (args.head_axes.is_some() || args.head_start.is_some()) {
-        bail!("--head-axes, --head-start: found poses in {}, expected a .usda file", path.display());
+        wrong!("--head-axes, --head-start: found poses in {}, expected a .usda file", path.display());
     }
     let bytes = read_file(&path)?;
     let says = || format!("cannot read the head's poses {}", path.display());

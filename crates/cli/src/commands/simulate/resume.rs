@@ -10,6 +10,7 @@ use sha2::{Digest, Sha256};
 use std::error::Error;
 use std::fs;
 use std::io::{self, ErrorKind, Write};
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use tousle_pipeline::write_whole;
 use tousle_sim::{Count, Keeper, Part, SimOptions};
@@ -17,7 +18,7 @@ use tousle_sim::{Count, Keeper, Part, SimOptions};
 /// A run that keeps what is done.
 pub struct Resumable {
     folder: PathBuf,
-    strands_per_part: Option<usize>,
+    strands_per_part: Option<NonZeroUsize>,
 }
 
 /// One of the run's simulations: that of the guides, that of the check.
@@ -46,7 +47,7 @@ impl Resumable {
             output.file_name().with_context(|| format!("output {}: names no file", output.display()))?;
         let folder = output.with_file_name(format!(".{}.resume", name.to_string_lossy()));
         let inputs = Inputs::of(args, options)?;
-        let run = Self { folder, strands_per_part: (strands > 0).then_some(strands as usize) };
+        let run = Self { folder, strands_per_part: NonZeroUsize::new(strands as usize) };
         run.check_or_begin(&inputs)?;
         Ok(Some(run))
     }
@@ -56,8 +57,7 @@ impl Resumable {
         let text = match fs::read(&file) {
             Ok(text) => text,
             Err(error) if error.kind() == ErrorKind::NotFound => {
-                fs::create_dir_all(&self.folder)
-                    .with_context(|| format!("cannot make the folder {}", self.folder.display()))?;
+                self.begin()?;
                 write_whole(&file, |out| serde_json::to_writer_pretty(out, inputs))?;
                 return Ok(());
             }
@@ -77,6 +77,15 @@ impl Resumable {
         Ok(())
     }
 
+    /// Makes the folder. Parts in it that no `run.json` speaks for are of a run that was half removed.
+    fn begin(&self) -> anyhow::Result<()> {
+        let make = || {
+            fs::create_dir_all(&self.folder)?;
+            remove_parts(&self.folder)
+        };
+        make().with_context(|| format!("cannot make the folder {} anew", self.folder.display()))
+    }
+
     /// What keeps the parts of one simulation.
     pub fn stage(&self, name: &'static str) -> Stage<'_> {
         Stage { run: self, name }
@@ -84,8 +93,16 @@ impl Resumable {
 
     /// Removes what was kept, once the output is there.
     pub fn remove(self) -> anyhow::Result<()> {
-        fs::remove_dir_all(&self.folder)
-            .with_context(|| format!("cannot remove the folder {}", self.folder.display()))
+        let remove = || {
+            remove_parts(&self.folder)?;
+            fs::remove_file(self.folder.join("run.json"))?;
+            // What somebody else put there stays.
+            match fs::remove_dir(&self.folder) {
+                Err(error) if error.kind() == ErrorKind::DirectoryNotEmpty => Ok(()),
+                result => result,
+            }
+        };
+        remove().with_context(|| format!("cannot remove the folder {}", self.folder.display()))
     }
 }
 
@@ -130,6 +147,16 @@ impl Inputs {
     }
 }
 
+fn remove_parts(folder: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|ending| ending == "part") {
+            fs::remove_file(path)?;
+        }
+    }
+    Ok(())
+}
+
 /// SHA-256 of a file, as `sha256sum` prints it.
 fn hash(path: &Path) -> anyhow::Result<String> {
     let cannot = || format!("cannot read {}", path.display());
@@ -146,7 +173,7 @@ impl Stage<'_> {
 }
 
 impl Keeper for Stage<'_> {
-    fn strands_per_part(&self) -> Option<usize> {
+    fn strands_per_part(&self) -> Option<NonZeroUsize> {
         self.run.strands_per_part
     }
 

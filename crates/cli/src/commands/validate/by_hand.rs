@@ -46,8 +46,10 @@ type Sound = fn(usize) -> Value;
 struct Kind {
     name: &'static str,
     read: fn(&[u8]) -> Result<(), String>,
-    /// A sound file with nothing but what is required.
+    /// A sound file with little more than what is required.
     least: Value,
+    /// The members that every such file has.
+    required: &'static [&'static str],
     /// The members that are lists, each with a sound element for every place.
     lists: &'static [(&'static str, Sound)],
 }
@@ -66,6 +68,7 @@ fn session() -> Kind {
                 {"~A": [90.0, 0.0, 40.0], "~B": [0.0, 80.0, 40.0], "~C": [0.0, -80.0, -40.0]},
             "strands": [session_strand(0)],
         }),
+        required: &["head_markers_mm_in_head_frame", "strands"],
         lists: &[("strands", session_strand), ("fans", session_fan)],
     }
 }
@@ -87,6 +90,7 @@ fn groom() -> Kind {
             tousle_groom::read_groom(bytes, &options).map(drop).map_err(in_words)
         },
         least: json!({"strands": [groom_strand(0)]}),
+        required: &["strands"],
         lists: &[("strands", groom_strand)],
     }
 }
@@ -101,6 +105,7 @@ fn edits() -> Kind {
         read: |bytes| tousle_edit::read_edits(bytes).map(drop).map_err(in_words),
         // Keys may be frames, which need a rate: it is not known to be missing from one edit alone.
         least: json!({"rate_hz": 60.0, "edit": [edit(0)]}),
+        required: &[],
         lists: &[("edit", edit)],
     }
 }
@@ -115,6 +120,10 @@ fn edit(k: usize) -> Value {
 /// Tells what a file is and what is wrong with it; `None` if it is none that people write.
 pub fn validate(bytes: &[u8]) -> Option<ByHand> {
     let text = str::from_utf8(bytes).ok()?;
+    // To TOML that would be a comment.
+    if text.starts_with("#usda") {
+        return None;
+    }
     let is_json = text.trim_start().starts_with('{');
     let parsed = if is_json {
         serde_json::from_str::<Value>(text).map_err(|e| e.to_string())
@@ -127,7 +136,9 @@ pub fn validate(bytes: &[u8]) -> Option<ByHand> {
         // Text that begins like neither is for others to tell.
         Err(_) if !is_json && !text.contains(" = ") => None,
         Err(message) => {
-            let kind = if text.contains("[[edit]]") || text.contains("\"edit\"") {
+            let is_edits =
+                |name: &&str| text.contains(&format!("[[{name}]]")) || text.contains(&format!("\"{name}\""));
+            let kind = if EDITS.iter().any(is_edits) {
                 "edits"
             } else if text.contains("rest_curve_m") {
                 "groom"
@@ -140,10 +151,13 @@ pub fn validate(bytes: &[u8]) -> Option<ByHand> {
     }
 }
 
+/// The members that only edits have.
+const EDITS: [&str; 3] = ["edit", "wind", "change"];
+
 /// What a file is, by the members that only its kind has.
 fn kind_of(members: &Map<String, Value>) -> Option<Kind> {
     let first = &members.get("strands").and_then(|s| s.get(0)).unwrap_or(&Value::Null);
-    if members.contains_key("edit") {
+    if EDITS.iter().any(|name| members.contains_key(*name)) {
         Some(edits())
     } else if members.contains_key("head_markers_mm_in_head_frame") || first.get("markers").is_some() {
         Some(session())
@@ -213,8 +227,8 @@ impl Kind {
 
     /// Members that must be there and are not.
     fn missing(&self, members: &Map<String, Value>, findings: &mut Vec<Finding>) {
-        for name in self.least.as_object().into_iter().flat_map(Map::keys) {
-            if !members.contains_key(name)
+        for name in self.required {
+            if !members.contains_key(*name)
                 && let Err(message) = self.read_with(name, None)
             {
                 findings.push(Finding::new("value", name, without_line(&message)));
@@ -308,6 +322,10 @@ mod tests {
         let edits = "[[edit]]\nname = \"a\"\nstrand = \"S\"\ncontrol_point = \"tip\"\nfirst_secs = 2\nsecond_secs = 1\n\
                      offset_m = [0, 0, nan]\n[[edit]]\nname = 3\n";
         assert_eq!(found(edits), [("value", "edit[0]".to_owned()), ("value", "edit[1]".to_owned())]);
+        let gust =
+            "version = 1\n[[wind]]\nname = \"g\"\nkind = \"gust\"\nvector = [0, -4, 0]\nat_m = [0, 0, 0.1]\n";
+        assert_eq!(validate(gust.as_bytes()).unwrap().kind, "edits");
+        assert_eq!(validate(b"#usda 1.0\n(\n    upAxis = \"Z\"\n)\n"), None);
         assert_eq!(found("{ \"edit\": ]"), [("syntax", String::new())]);
         assert_eq!(validate(b"\x89MCAP0\r\n"), None);
         assert_eq!(validate(b"Field #,1"), None);

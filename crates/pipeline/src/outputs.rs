@@ -1,13 +1,13 @@
 //! Several files that appear together or not at all.
 
-use anyhow::{Context, anyhow};
+use crate::files::{FileError, folder, stage};
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, TempPath};
 
 /// Files that are written and do not have their names yet.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub struct Outputs {
     staged: Vec<(PathBuf, NamedTempFile)>,
 }
@@ -20,30 +20,36 @@ struct Placed {
 
 impl Outputs {
     /// Writes a file beside where it will appear. All that can go wrong with a disk or a value does so here.
+    ///
+    /// # Errors
+    /// [`FileError::Write`] with the path and the cause, be it the disk's or `write`'s own.
     pub fn add<E>(
         &mut self,
         path: &Path,
         write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
-    ) -> anyhow::Result<()>
+    ) -> Result<(), FileError>
     where
         E: Into<Box<dyn std::error::Error + Send + Sync>>,
     {
-        let staged = stage(path, write).map_err(|e| anyhow!(e)).with_context(|| cannot_write(path))?;
+        let ((), staged) = stage(path, write).map_err(|source| cannot_write(path, source))?;
         self.staged.push((path.to_owned(), staged));
         Ok(())
     }
 
     /// Gives all files their names. If one cannot have its name, all are gone and what was there before is back.
     ///
-    /// No system call names several files at once: only a program killed between two of them leaves some.
-    pub fn appear(self) -> anyhow::Result<()> {
+    /// No system call names several files at once: a program killed between two of them leaves some new and some old.
+    ///
+    /// # Errors
+    /// [`FileError::Write`] with the path that could not be had.
+    pub fn appear(self) -> Result<(), FileError> {
         let mut placed: Vec<Placed> = Vec::new();
         for (path, staged) in self.staged {
             match place(&path, staged) {
                 Ok(file) => placed.push(file),
                 Err(error) => {
                     placed.into_iter().rev().for_each(take_back);
-                    return Err(error).with_context(|| cannot_write(&path));
+                    return Err(cannot_write(&path, error.into()));
                 }
             }
         }
@@ -51,45 +57,13 @@ impl Outputs {
     }
 }
 
-fn cannot_write(path: &Path) -> String {
-    format!("cannot write {} (nothing was written)", path.display())
+fn cannot_write(path: &Path, source: Box<dyn std::error::Error + Send + Sync>) -> FileError {
+    FileError::Write { path: path.to_owned(), source }
 }
 
-fn stage<E>(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
-) -> Result<NamedTempFile, Box<dyn std::error::Error + Send + Sync>>
-where
-    E: Into<Box<dyn std::error::Error + Send + Sync>>,
-{
-    let name = path.file_name().ok_or("the path names no file")?.to_string_lossy();
-    let temporary = tempfile::Builder::new()
-        .prefix(&format!(".{name}."))
-        .suffix(".partial")
-        // Temporary files are private to their owner by default; this becomes an ordinary one.
-        .make_in(folder(path), |path| File::options().read(true).write(true).create_new(true).open(path))?;
-    let mut out = BufWriter::with_capacity(1 << 18, temporary.as_file());
-    write(&mut out).map_err(Into::into)?;
-    out.flush()?;
-    drop(out);
-    temporary.as_file().sync_all()?;
-    Ok(temporary)
-}
-
-/// The folder of a path; an empty parent is the current folder.
-fn folder(path: &Path) -> &Path {
-    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
-}
-
-/// Gives a file its name. What had the name gets another one, until all is done.
+/// Gives a file its name in one step. What had the name has another one beside it, until all is done.
 fn place(path: &Path, staged: NamedTempFile) -> io::Result<Placed> {
-    let before = if path.is_file() {
-        let aside = NamedTempFile::with_prefix_in(".before.", folder(path))?.into_temp_path();
-        fs::rename(path, &aside)?;
-        Some(aside)
-    } else {
-        None
-    };
+    let before = path.is_file().then(|| put_aside(path)).transpose()?;
     match staged.persist(path) {
         Ok(_) => Ok(Placed { path: path.to_owned(), before }),
         Err(error) => {
@@ -99,9 +73,19 @@ fn place(path: &Path, staged: NamedTempFile) -> io::Result<Placed> {
     }
 }
 
+/// Gives a file a second name; where the disk knows one name for a file only, that one.
+fn put_aside(path: &Path) -> io::Result<TempPath> {
+    let mut names = tempfile::Builder::new();
+    let linked = names.prefix(".before.").make_in(folder(path), |aside| fs::hard_link(path, aside));
+    let aside = linked.or_else(|_| names.make_in(folder(path), |aside| fs::rename(path, aside)))?;
+    Ok(aside.into_temp_path())
+}
+
 /// Undoes [`place`]. What fails here fails for a cause that the user is told of already.
 fn take_back(placed: Placed) {
-    let _ = fs::remove_file(&placed.path);
+    if placed.before.is_none() {
+        let _ = fs::remove_file(&placed.path);
+    }
     put_back(&placed.path, placed.before);
 }
 
@@ -115,8 +99,9 @@ fn put_back(path: &Path, before: Option<TempPath>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::Write;
 
-    fn add(outputs: &mut Outputs, path: &Path, text: &str) -> anyhow::Result<()> {
+    fn add(outputs: &mut Outputs, path: &Path, text: &str) -> Result<(), FileError> {
         outputs.add(path, |out| out.write_all(text.as_bytes()))
     }
 
