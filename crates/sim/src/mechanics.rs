@@ -94,8 +94,9 @@ pub(crate) trait Mechanics: Copy + Debug + Send + Sync + 'static {
     /// What the steps of a batch took.
     fn count<L: Lane>(batch: &Self::Batch<L>) -> Count;
 
-    /// What all steps of a run took, from the sum of what its batches counted and the timeline's number of steps.
-    fn total(count: Count, n_steps: usize) -> Count;
+    /// What all steps of all strands took, from the sum of what their batches counted, and the numbers of strands and of the
+    /// timeline's steps.
+    fn total(count: Count, numbers: (usize, usize)) -> Count;
 
     /// What was assumed so that the strands hang as they do.
     fn assumed(_strands: &[Prepared<Self::Shape>]) -> Vec<Assumption> {

@@ -35,7 +35,7 @@ pub struct Part {
     pub count: Count,
 }
 
-/// What steps were taken, and what they took. With method `physical` of each strand, added up.
+/// What steps were taken, and what they took: those of each strand, added up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Count {
     /// Steps.

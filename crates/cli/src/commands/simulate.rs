@@ -17,7 +17,7 @@ use tousle_eff::{Eff, Part, ReadOptions, Reader};
 use tousle_export::{ExportError, HairGeometry, UsdOptions};
 use tousle_field::Scene;
 use tousle_pipeline::{Outputs, Watch, write_whole};
-use tousle_sim::{Method, PlanEntry, Precision, SimOptions};
+use tousle_sim::{Integrator, Method, PlanEntry, Precision, SimOptions};
 
 /// `tousle simulate`
 pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
@@ -149,11 +149,12 @@ fn summary(simulated: &Simulated, explain: bool) -> String {
     let (n_strands, n_points, n_frames) = (motion.counts.len(), motion.n_points(), motion.times_secs.len());
     let _ = writeln!(
         text,
-        "{n_strands} strands, {n_points} control points, {n_frames} frames; {} (order {}) in {} steps of {:.3} ms; \
+        "{n_strands} strands, {n_points} control points, {n_frames} frames; {} (order {}) in {} strand steps of {}{:.3} ms; \
          stretch at most {:.4} %",
         report.integrator.name(),
         report.order,
         report.n_steps,
+        if report.integrator == Integrator::Adaptive { "at most " } else { "" },
         report.dt_secs * 1e3,
         report.max_stretch * 1e2
     );

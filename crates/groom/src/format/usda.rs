@@ -27,7 +27,10 @@ pub(super) fn read(text: &[u8]) -> Result<RawGroom, GroomReadError> {
     }
     let warnings = curves.raw.warnings.clone();
     curves.finish().ok_or_else(|| {
-        let found = [vec!["no BasisCurves".to_owned()], warnings].concat().join("; ");
+        let found = match &warnings[..] {
+            [] => "no BasisCurves".to_owned(),
+            some => format!("no BasisCurves ({})", some.join("; ")),
+        };
         bad("the layer".to_owned(), &found, "some")
     })
 }

@@ -81,7 +81,8 @@ impl Mechanics for Paper {
         Count::default()
     }
 
-    fn total(_: Count, n_steps: usize) -> Count {
-        Count { steps: n_steps as u64, iterations: n_steps as u64, ..Count::default() }
+    fn total(_: Count, (n_strands, n_steps): (usize, usize)) -> Count {
+        let steps = (n_strands * n_steps) as u64;
+        Count { steps, iterations: steps, ..Count::default() }
     }
 }

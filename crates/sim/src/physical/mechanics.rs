@@ -212,7 +212,7 @@ impl Mechanics for Physical {
         moving.strands.count
     }
 
-    fn total(count: Count, _: usize) -> Count {
+    fn total(count: Count, _: (usize, usize)) -> Count {
         count
     }
 
