@@ -70,6 +70,19 @@ impl HeadShape {
     }
 }
 
+impl std::fmt::Display for Axis {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::PlusX => "x",
+            Self::MinusX => "-x",
+            Self::PlusY => "y",
+            Self::MinusY => "-y",
+            Self::PlusZ => "z",
+            Self::MinusZ => "-z",
+        })
+    }
+}
+
 impl Axis {
     /// The unit vector along the axis.
     pub fn vector(self) -> Vec3 {

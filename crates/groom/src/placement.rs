@@ -93,7 +93,7 @@ fn axes(
     if options.forward.is_none() && !raw.is_head_space {
         assumed.push(Assumption {
             what: "forward axis".to_owned(),
-            value: format!("{forward:?}"),
+            value: forward.to_string(),
             why: format!("no groom file states it; this is the usual one where {up:?} is up"),
         });
     }

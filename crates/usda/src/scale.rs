@@ -36,7 +36,11 @@ pub fn up_axis(layer: &Layer, warnings: &mut Vec<String>) -> Result<UpAxis, Usda
         }
         Some(Some("Y")) => Ok(UpAxis::Y),
         Some(Some("Z")) => Ok(UpAxis::Z),
-        Some(found) => Err(bad("upAxis", format!("{found:?}"), "\"Y\" or \"Z\"")),
+        Some(found) => Err(bad(
+            "upAxis",
+            found.map_or_else(|| "no text".to_owned(), |axis| format!("{axis:?}")),
+            "\"Y\" or \"Z\"",
+        )),
     }
 }
 
@@ -58,6 +62,10 @@ fn above_zero(layer: &Layer, name: &str) -> Result<Option<f64>, UsdaError> {
     match layer.metadata.get(name).map(Value::number) {
         None => Ok(None),
         Some(Some(number)) if number.is_finite() && number > 0.0 => Ok(Some(number)),
-        Some(found) => Err(bad(name, format!("{found:?}"), "a number above 0")),
+        Some(found) => Err(bad(
+            name,
+            found.map_or_else(|| "no number".to_owned(), |number| number.to_string()),
+            "a number above 0",
+        )),
     }
 }

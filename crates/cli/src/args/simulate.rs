@@ -60,7 +60,7 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "S")]
     pub dt_secs: Option<f64>,
     /// The shot's own head motion in place of the capture's: .npz in the capture's world axes with `t` (T), `R`
-    /// (T,3,3), `p` (T,3), so that world = R head + p; or an animated transform in .usda: the prim behind the
+    /// (T,3,3), `p` (T,3), so that world = R head + p, at even times; or an animated transform in .usda: the prim behind the
     /// colon, or the only one that is animated.
     #[arg(long, value_name = "POSES.npz|FILE.usda[:/PRIM]")]
     pub head: Option<String>,
@@ -75,7 +75,8 @@ pub struct SimulateArgs {
     /// slides off a shoulder that the head turns away from; or the torso's own, which stays and holds it.
     #[arg(long, value_parser = parse_torso_grip, default_value = "head", value_name = "head|torso")]
     pub torso_grip: tousle_sim::TorsoGrip,
-    /// What the wind does outside the field's span.
+    /// What the wind does outside the field's span: `once`, the air is still before and after it; `loop`, the field and the
+    /// capture's head motion begin again; `hold`, the last step's wind blows on.
     #[arg(long, value_parser = parse_time, default_value = "once", value_name = "once|loop|hold")]
     pub time: tousle_sim::TimeMode,
     /// How long the motion lasts, s [default: to the field's last step].

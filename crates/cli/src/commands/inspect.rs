@@ -3,7 +3,7 @@ mod capture;
 use super::{print_json, read_file};
 use crate::args::InspectArgs;
 use crate::ui::Outcome;
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use std::fmt::Write;
 use tousle_eff::Inspection;
 use tousle_eff::manifest::{EncodingInfo, EncodingName};
@@ -32,6 +32,11 @@ pub fn run(args: &InspectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         show(args.json, &inspection, field_table)?;
     } else if args.session.is_some() || tousle_ingest::guess_format(&bytes).is_some() {
         capture::run(args, &bytes, watch).with_context(cannot)?;
+    } else if tousle_ingest::read_session(&bytes).is_ok() {
+        return Err(anyhow!(
+            "found a session, expected a field, a capture or a groom (`tousle validate` checks sessions)"
+        ))
+        .with_context(cannot);
     } else {
         let mut options = GroomOptions::default();
         options.unit = args.groom_unit;
