@@ -6,7 +6,7 @@ use crate::smooth::{PoseTrackReport, SmoothOptions, TrackedPoses, pose_track};
 use rayon::prelude::*;
 use serde::Serialize;
 use tousle_core::{
-    Capture, FrameSpan, HeadCapture, HeadPose, Session, StrandTracks, Track, UnlabeledTrack, runs,
+    Capture, FrameSpan, HeadCapture, HeadPose, Session, StrandTracks, Track, UnlabeledTrack, Vec3, runs,
 };
 
 /// How the head is found.
@@ -102,6 +102,15 @@ pub enum HeadError {
         /// How many there are.
         found: usize,
     },
+    /// The head in the capture is of another size than the session's.
+    #[error(
+        "found head markers {scale:.3} times as far apart as in the session, expected the same size: is the unit of the capture \
+         or of the session another one?"
+    )]
+    OtherScale {
+        /// The size in the capture over that in the session.
+        scale: f64,
+    },
     /// No frame shows three markers that agree.
     #[error(
         "no frame shows 3 head markers within {tolerance_mm} mm of their places on the head (of {n_frames} frames)"
@@ -134,6 +143,11 @@ pub fn locate_head(
     options: &HeadOptions,
 ) -> Result<Located, HeadError> {
     let mut tracks: Vec<Track> = head_tracks(capture, session)?.into_iter().cloned().collect();
+    if let Some(scale) = scale(&tracks, session)
+        && !(1.0 / MOST_SCALE..=MOST_SCALE).contains(&scale)
+    {
+        return Err(HeadError::OtherScale { scale });
+    }
     let still = session.still_range(capture.first_frame, capture.n_frames);
     let shape = head_shape(&tracks, session, still, 3.0 * options.tolerance_m);
     let first_pass = register_frames(&tracks, &shape, &vec![1.0; tracks.len()], options);
@@ -160,6 +174,33 @@ pub fn locate_head(
     let markers = marker_reports(&registrations, session, &tracks, &shape, &agreement, &trust, &head);
     let report = report(&head, &tracks, markers, labels_mended, &shape, &tracked);
     Ok(Located { head, tracked, report })
+}
+
+/// A head that is this much larger or smaller than the session's is in another unit; the next unit is 2.5 times as large.
+const MOST_SCALE: f64 = 1.5;
+
+/// The size of the head in the capture over that in the session: of the distances of all pairs of markers, whoever has which
+/// label. The median over frames; `None` if none shows two markers.
+fn scale(tracks: &[Track], session: &Session) -> Option<f64> {
+    let n_frames = tracks.first().map_or(0, Track::n_frames);
+    let at = |frame: usize| {
+        let pairs: Vec<(Vec3, Vec3)> = tracks
+            .iter()
+            .zip(&session.head_markers)
+            .filter_map(|(track, marker)| Some((track.at(frame)?, marker.position_m)))
+            .collect();
+        let (mut seen2, mut own2) = (0.0_f64, 0.0_f64);
+        for (k, (seen_m, own_m)) in pairs.iter().enumerate() {
+            for (other_seen_m, other_own_m) in &pairs[..k] {
+                seen2 += (seen_m - other_seen_m).norm_squared();
+                own2 += (own_m - other_own_m).norm_squared();
+            }
+        }
+        (own2 > 0.0).then(|| (seen2 / own2).sqrt())
+    };
+    let mut scales: Vec<f64> = (0..n_frames).filter_map(at).collect();
+    let middle = scales.len() / 2;
+    (!scales.is_empty()).then(|| *scales.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 fn head_tracks<'a>(capture: &'a Capture, session: &Session) -> Result<Vec<&'a Track>, HeadError> {

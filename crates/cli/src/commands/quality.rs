@@ -42,6 +42,9 @@ fn page(capture: &Path, prepared: &Prepared) -> String {
     })
 }
 
+/// Spans of frames that are told one by one.
+const MOST_LINES: usize = 10;
+
 /// What a technician wants to know at once.
 pub fn summary(report: &QualityReport) -> String {
     let mut text = String::new();
@@ -63,8 +66,12 @@ pub fn summary(report: &QualityReport) -> String {
         ),
     );
     line("head", head_line(report));
-    for gap in &report.head.without_pose {
+    let gaps = &report.head.without_pose;
+    for gap in gaps.iter().take(MOST_LINES) {
         line("no pose", format!("frames {} to {}: {}", gap.span.first_frame, gap.span.last_frame, gap.why));
+    }
+    if let Some(more @ 1..) = gaps.len().checked_sub(MOST_LINES) {
+        line("no pose", format!("in {more} more spans of frames (--json and reports have them all)"));
     }
     for mended in &report.head.labels_mended {
         let span = mended.span;

@@ -74,6 +74,16 @@ pub(crate) struct Seeing<'a> {
     pub(crate) cutoff_hz: f64,
 }
 
+/// The median of positions, axis by axis: where hair hung, even if wind blew in some of the frames.
+fn middle(positions_m: Vec<Vec3>) -> Vec3 {
+    let n = positions_m.len();
+    let along = |axis: usize| {
+        let mut values: Vec<f64> = positions_m.iter().map(|p| p[axis]).collect();
+        *values.select_nth_unstable_by(n / 2, f64::total_cmp).1
+    };
+    Vec3::new(along(0), along(1), along(2))
+}
+
 impl SeenLock {
     /// `None` if fewer than two markers are of use: seen, at rest too if it is known when hair hung still, and apart.
     pub(crate) fn new(strand_idx: usize, seeing: &Seeing<'_>) -> Option<Self> {
@@ -94,7 +104,7 @@ impl SeenLock {
                 knots_m.push(place_m);
                 used.push(marker_idx);
                 markers.push(motion);
-                rests.push(seen.iter().sum::<Vec3>() / seen.len() as f64);
+                rests.push(middle(seen));
             }
         }
         if knots_m.len() < 2 {

@@ -2,6 +2,7 @@ use super::lock::SeenLock;
 use super::prior::is_still;
 use super::solve::{Problem, Solved};
 use serde::Serialize;
+use tousle_core::{Track, Vec3};
 use tousle_flow::AirState;
 
 /// What the method `physical` found out on the way and what it took for granted.
@@ -60,6 +61,53 @@ pub(crate) fn report(problem: &Problem<'_>, solved: &Solved) -> PhysicalReport {
     }
 }
 
+/// The most that a marker may move in the still frames before a warning, rms, m: ten times the cameras' noise.
+const STILL_M: f64 = 3e-3;
+
+/// Hair that is not still in the still frames.
+fn moves_at_rest(problem: &Problem<'_>) -> Option<String> {
+    let (first, last) = problem.still?;
+    let moves_m = |track: &Track| {
+        let seen: Vec<Vec3> = (first..=last).filter_map(|frame| track.at(frame)).collect();
+        let mean = seen.iter().sum::<Vec3>() / seen.len().max(1) as f64;
+        let squares: f64 = seen.iter().map(|p| (p - mean).norm_squared()).sum();
+        (!seen.is_empty()).then(|| (squares / seen.len() as f64).sqrt())
+    };
+    let tracks = problem.head.strands.iter().flat_map(|strand| &strand.markers);
+    let mut moves: Vec<f64> = tracks.filter_map(moves_m).collect();
+    if moves.is_empty() {
+        return None;
+    }
+    let middle = moves.len() / 2;
+    let moves_m = *moves.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let frame = |frame: usize| problem.head.first_frame.saturating_add_unsigned(frame as u64);
+    (moves_m > STILL_M).then(|| {
+        format!(
+            "found locks that move by {:.1} mm (rms, the median marker) in the still frames {} to {}, expected hair that hangs still",
+            moves_m * 1e3,
+            frame(first),
+            frame(last)
+        )
+    })
+}
+
+/// Hair at rest that does not point down.
+fn does_not_hang(problem: &Problem<'_>) -> Option<String> {
+    problem.still?;
+    let direction = |seen: &SeenLock| {
+        let points_m = seen.lock.rest_points();
+        (points_m.last()? - points_m[0]).try_normalize(0.0)
+    };
+    let mean = problem.locks.iter().filter_map(direction).sum::<Vec3>();
+    let hangs = problem.rest_pose.rotation * mean.try_normalize(0.0)?;
+    (hangs.dot(&problem.gravity_world) < 0.5 * problem.gravity_world.norm()).then(|| {
+        format!(
+            "found locks that point to [{:.1}, {:.1}, {:.1}] (world axes) at rest, expected them to hang down: which axis is up?",
+            hangs.x, hangs.y, hangs.z
+        )
+    })
+}
+
 fn warnings(problem: &Problem<'_>) -> Vec<String> {
     let mut warnings = Vec::new();
     if problem.still.is_none() {
@@ -67,6 +115,8 @@ fn warnings(problem: &Problem<'_>) -> Vec<String> {
             "no still frames lie in the capture: the locks' shape without wind is unknown, their bending counts little".into(),
         );
     }
+    warnings.extend(moves_at_rest(problem));
+    warnings.extend(does_not_hang(problem));
     if problem.session.fans.is_empty() {
         warnings.push("the session names no fan: the wind outside is told from the locks alone".into());
     } else if problem.session.wind_start_frame.is_none() && problem.still.is_none() {
