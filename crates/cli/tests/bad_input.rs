@@ -1,4 +1,4 @@
-//! Bad input: a clear error, exit code 1, and nothing written.
+//! Bad input: a clear error, exit code 1, or 2 for a wrong argument, and nothing written.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -9,10 +9,15 @@ use common::Room;
 /// Runs `convert` on a changed room; it must fail with these words and leave no file behind.
 #[track_caller]
 fn convert_refuses(change: impl FnOnce(&Room) -> String, words: &[&str]) {
+    convert_ends(1, change, words);
+}
+
+#[track_caller]
+fn convert_ends(code: i32, change: impl FnOnce(&Room) -> String, words: &[&str]) {
     let room = Room::new();
     let arguments = change(&room);
     let before = room.files();
-    room.run(&format!("convert {arguments} -o out.eff.mcap")).ended(1).says(words);
+    room.run(&format!("convert {arguments} -o out.eff.mcap")).ended(code).says(words);
     assert_eq!(room.files(), before);
 }
 
@@ -91,14 +96,15 @@ fn a_session_that_is_no_json() {
 
 #[test]
 fn a_grid_that_is_no_whole_number_of_voxels() {
-    convert_refuses(|_| format!("gusts.c3d {GOOD_SESSION} --voxel-mm 70"), &["600 mm", "70 mm"]);
+    convert_ends(2, |_| format!("gusts.c3d {GOOD_SESSION} --voxel-mm 70"), &["600 mm", "70 mm"]);
 }
 
 /// Wherever it is, `validate` finds it. A run refuses the field, unless it needs nothing of what is damaged: then it gives
 /// what it gave before.
 #[test]
 fn a_voxel_of_less_than_nothing() {
-    convert_refuses(
+    convert_ends(
+        2,
         |_| format!("gusts.c3d {GOOD_SESSION} --voxel-mm -5"),
         &["the grid is impossible", "found voxel edge = -5 mm, expected a number above 0"],
     );
@@ -173,15 +179,61 @@ fn wrong_words_are_exit_code_2() {
         "convert a.c3d -o",
         "simulate f --groom g -o m.npz --integrator magic",
         "convert a --session s -o o --threads 0",
+        "inspect gusts.c3d --unit mm",
+        "convert gusts.c3d --session session.json -o f.eff.mcap --reading first-frame",
+        "convert gusts.c3d --session session.json -o f.eff.mcap --rate-hz 1e18",
+        "convert gusts.c3d --session session.json -o f.eff.mcap --encoding fixed --max-error 0",
+        "convert gusts.c3d --session gusts.c3d -o gusts.c3d",
     ] {
         room.run(words).ended(2);
     }
+    let room = Room::with_field();
+    for words in [
+        "--rate-hz 0",
+        "--dt-secs -1",
+        "--integrator rk4 --dt-secs 0.01",
+        "--method physical --integrator exponential",
+    ] {
+        room.run(&format!("simulate f.eff.mcap --groom bob.json -o m.npz {words}")).ended(2);
+    }
+    room.run("recover f.eff.mcap -o f.eff.mcap").ended(2).says(&["expected another one"]);
+    room.run("simulate f.eff.mcap --groom bob.json -o nowhere/m.npz").ended(1).says(&["no folder nowhere"]);
+}
+
+/// A reader that has heard enough is no failure; a disk that takes no words is.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_stdout_that_takes_no_more() {
+    let room = Room::with_field();
+    let run = room.shell("\"$TOUSLE\" inspect f.eff.mcap --json > /dev/full");
+    run.ended(1).says(&["cannot write to the standard output"]);
+    let run = room.shell("\"$TOUSLE\" inspect f.eff.mcap --json | true; exit ${PIPESTATUS[0]}").ended(0);
+    assert_eq!(run.err, "");
+}
+
+#[test]
+fn a_capture_in_another_unit() {
+    convert_refuses(
+        |room| {
+            let session = String::from_utf8(room.read("session.json")).unwrap();
+            assert!(session.contains("head_markers_mm_in_head_frame"));
+            let mut session: serde_json::Value = serde_json::from_str(&session).unwrap();
+            for place in session["head_markers_mm_in_head_frame"].as_object_mut().unwrap().values_mut() {
+                for coordinate in place.as_array_mut().unwrap() {
+                    *coordinate = (coordinate.as_f64().unwrap() * 0.1).into();
+                }
+            }
+            room.write("cm.json", session.to_string());
+            "gusts.c3d --session cm.json".to_owned()
+        },
+        &["10.0", "times as far apart", "unit"],
+    );
 }
 
 #[test]
 fn an_output_of_an_unknown_ending_is_refused_before_any_work() {
     let room = Room::new();
     room.run("simulate nowhere.eff.mcap --groom nowhere.json -o motion.fbx")
-        .ended(1)
+        .ended(2)
         .says(&["fbx", ".npz or .usda"]);
 }

@@ -75,7 +75,7 @@ fn a_capture_with_its_session_tells_its_quality() {
             && table.contains("as the file has them")
     );
     room.run("inspect gusts.c3d --report q.html").ended(2);
-    room.run(&format!("{inspect} --report q.pdf")).ended(1);
+    room.run(&format!("{inspect} --report q.pdf")).ended(2);
     let convert = "convert gusts.c3d --method paper --session session.json --voxel-mm 100 -o f.eff.mcap --no-clean --json";
     let told: serde_json::Value = serde_json::from_str(&room.run(convert).ended(0).out).unwrap();
     assert!(told["clean"].is_null());

@@ -91,7 +91,7 @@ fn the_packing_and_the_clock() {
     let span = |key: usize| late["field_span_secs"][key].as_f64().unwrap();
     assert!((span(0) - 0.515).abs() < 1e-9 && span(1) <= 4.0, "{}", late["field_span_secs"]);
     room.run("merge even.eff.mcap odd.eff.mcap -o a.eff.mcap --offset-secs 1")
-        .ended(1)
+        .ended(2)
         .says(&["--offset-secs", "2"]);
     room.run("merge even.eff.mcap odd.eff.mcap -o a.eff.mcap --offset-secs 0,-3")
         .ended(1)

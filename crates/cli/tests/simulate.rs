@@ -86,7 +86,7 @@ fn several_outputs_appear_together_or_not_at_all() {
     let before = room.files();
     room.run(&format!("{simulate} -o a.npz -o nowhere/b.usda")).ended(1);
     assert_eq!(room.files(), before);
-    room.run(&format!("{simulate} -o a.npz -o a.npz")).ended(1);
+    room.run(&format!("{simulate} -o a.npz -o a.npz")).ended(2);
     assert_eq!(room.files(), before);
     room.run(&format!("{simulate} -o a.npz -o b.usda")).ended(0);
     assert_eq!(room.files().len(), before.len() + 2);

@@ -188,6 +188,20 @@ fn what_a_session_does_not_say_is_done_without() {
     assert!(!never_still.report.physical.as_ref().unwrap().warnings.is_empty());
 }
 
+fn warned_of(head: &HeadCapture, session: &Session, words: &str) -> bool {
+    measured(head, session).report.physical.unwrap().warnings.iter().any(|warning| warning.contains(words))
+}
+
+/// Hair that is blown in the frames that are said to be still, and hair that hangs up, are told of.
+#[test]
+fn a_rest_that_is_none_is_warned_of() {
+    let (head, session) = capture();
+    assert!(!warned_of(&head, &session, "expected"));
+    let last = i64::try_from(N_FRAMES).unwrap() - 1;
+    assert!(warned_of(&head, &Session { still_frames: Some((0, last)), ..session.clone() }, "hangs still"));
+    assert!(warned_of(&head, &Session { up_axis: Some(UpAxis::Y), ..session }, "hang down"));
+}
+
 /// A lock that was never seen is left out; one marker that flies off for a while does not matter much.
 #[test]
 fn a_bad_marker_does_not_matter() {

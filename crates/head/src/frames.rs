@@ -14,7 +14,7 @@ pub struct FrameQuality {
     pub n_visible: Vec<usize>,
 }
 
-/// Frames without a pose. Locks are not seen from the head in them; the smooth track bridges them.
+/// Frames without a pose of their own.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PoseGap {
     /// The frames.
@@ -23,6 +23,9 @@ pub struct PoseGap {
     pub n_visible: usize,
     /// Why there is no pose.
     pub why: &'static str,
+    /// Whether the poses around tell it: the head stands still, or was lost for a moment only. Otherwise locks are not seen
+    /// from the head here, and only the smooth track bridges the gap.
+    pub is_bridged: bool,
 }
 
 /// Samples that stood under another head marker's label, and were given to their own.
@@ -47,12 +50,12 @@ impl FrameQuality {
     }
 }
 
-fn n_visible(tracks: &[Track], frame: usize) -> usize {
+pub(crate) fn n_visible(tracks: &[Track], frame: usize) -> usize {
     tracks.iter().filter(|t| t.at(frame).is_some()).count()
 }
 
 /// The runs of frames without a pose, each with what is to blame.
-pub(crate) fn pose_gaps(quality: &FrameQuality, first_frame: i64) -> Vec<PoseGap> {
+pub(crate) fn pose_gaps(quality: &FrameQuality, bridged: &[bool], first_frame: i64) -> Vec<PoseGap> {
     let gaps = runs(quality.residual_m.len(), |f| quality.residual_m[f].is_none());
     let gap = |frames: &std::ops::Range<usize>| {
         let n_visible = quality.n_visible[frames.clone()].iter().copied().max().unwrap_or(0);
@@ -61,7 +64,12 @@ pub(crate) fn pose_gaps(quality: &FrameQuality, first_frame: i64) -> Vec<PoseGap
         } else {
             "no 3 head markers that follow the head are seen where they sit on it"
         };
-        PoseGap { span: FrameSpan::of(first_frame, frames), n_visible, why }
+        PoseGap {
+            span: FrameSpan::of(first_frame, frames),
+            n_visible,
+            why,
+            is_bridged: bridged[frames.start],
+        }
     };
     gaps.iter().map(gap).collect()
 }

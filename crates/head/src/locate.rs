@@ -1,4 +1,4 @@
-use crate::frames::{FrameQuality, LabelMended, PoseGap, label_spans, pose_gaps};
+use crate::frames::{FrameQuality, LabelMended, PoseGap, label_spans, n_visible, pose_gaps};
 use crate::labels::mend_labels;
 use crate::registration::{Pair, Registration, register};
 use crate::shape::{HeadShape, head_shape};
@@ -61,9 +61,10 @@ pub struct HeadReport {
 }
 
 impl HeadReport {
-    /// How many frames have no pose.
+    /// How many frames have no pose, not even one that can be told from those around them.
     pub fn n_without_pose(&self) -> usize {
-        self.frames.residual_m.iter().filter(|r| r.is_none()).count()
+        let lost = self.without_pose.iter().filter(|gap| !gap.is_bridged);
+        lost.map(|gap| gap.span.n_frames()).sum::<u64>() as usize
     }
 }
 
@@ -126,7 +127,7 @@ pub enum HeadError {
 /// Finds the head's pose in every frame and expresses every lock in head space.
 ///
 /// In: world-space positions, m. Out: `world_from_head` a frame, `None` where fewer than three trusted markers
-/// agree; the smooth track of those poses; marker tracks in head space, m, missing wherever the marker or the
+/// agree, unless the head stands still or was lost for a moment only; the smooth track of those poses; marker tracks in head space, m, missing wherever the marker or the
 /// pose is. Locks are seen from the *smooth* track: the noise of eight markers turns the head by 2 mrad a frame,
 /// which would shake a tip 25 cm away by half a millimeter, three times the cameras' own noise.
 ///
@@ -159,10 +160,12 @@ pub fn locate_head(
         let tolerance_mm = options.tolerance_m * 1e3;
         return Err(HeadError::NoPose { tolerance_mm, n_frames: capture.n_frames });
     }
-    let poses: Vec<_> =
+    let own_poses: Vec<_> =
         registrations.iter().enumerate().map(|(frame, r)| head_pose(r.as_ref(), &tracks, frame)).collect();
     let seen: Vec<_> = registrations.iter().map(|r| Some(r.as_ref()?.world_from_head)).collect();
     let tracked = pose_track(&seen, capture.rate_hz, still, &options.smooth);
+    let bridged = bridged(&own_poses, &tracked, capture.rate_hz);
+    let poses = with_bridges(&own_poses, &bridged, &tracks, &tracked);
     let head = HeadCapture {
         rate_hz: capture.rate_hz,
         first_frame: capture.first_frame,
@@ -172,7 +175,9 @@ pub fn locate_head(
     };
     let labels_mended = label_spans(&mislabeled, session, capture.first_frame);
     let markers = marker_reports(&registrations, session, &tracks, &shape, &agreement, &trust, &head);
-    let report = report(&head, &tracks, markers, labels_mended, &shape, &tracked);
+    let frames = FrameQuality::of(&own_poses, &tracks);
+    let without_pose = pose_gaps(&frames, &bridged, capture.first_frame);
+    let report = report(&own_poses, markers, (labels_mended, without_pose, frames), &shape, &tracked);
     Ok(Located { head, tracked, report })
 }
 
@@ -201,6 +206,41 @@ fn scale(tracks: &[Track], session: &Session) -> Option<f64> {
     let mut scales: Vec<f64> = (0..n_frames).filter_map(at).collect();
     let middle = scales.len() / 2;
     (!scales.is_empty()).then(|| *scales.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// How long a head may be out of sight, s, while its pose is told from those around: one that starts or ends a nod within
+/// that time is off by millimeters.
+const BRIDGED_SECS: f64 = 0.1;
+
+/// Which frames without a pose of their own have one all the same: all if the head stands still, else those of short gaps.
+fn bridged(poses: &[Option<HeadPose>], tracked: &TrackedPoses, rate_hz: f64) -> Vec<bool> {
+    let mut bridged = vec![false; poses.len()];
+    for gap in runs(poses.len(), |frame| poses[frame].is_none()) {
+        let is_within = gap.start > 0 && gap.end < poses.len();
+        if !tracked.report.moves || (is_within && gap.len() as f64 <= BRIDGED_SECS * rate_hz) {
+            bridged[gap].fill(true);
+        }
+    }
+    bridged
+}
+
+/// The poses, and smooth ones where they are bridged.
+fn with_bridges(
+    poses: &[Option<HeadPose>],
+    bridged: &[bool],
+    tracks: &[Track],
+    tracked: &TrackedPoses,
+) -> Vec<Option<HeadPose>> {
+    let bridge = |frame: usize| HeadPose {
+        world_from_head: *tracked.pose(frame),
+        fit_residual_m: 0.0,
+        n_used: 0,
+        n_visible: n_visible(tracks, frame),
+    };
+    let pose = |(frame, pose): (usize, &Option<HeadPose>)| {
+        pose.clone().or_else(|| bridged[frame].then(|| bridge(frame)))
+    };
+    poses.iter().enumerate().map(pose).collect()
 }
 
 fn head_tracks<'a>(capture: &'a Capture, session: &Session) -> Result<Vec<&'a Track>, HeadError> {
@@ -284,7 +324,7 @@ fn head_pose(registration: Option<&Registration>, tracks: &[Track], frame: usize
         world_from_head: registration.world_from_head,
         fit_residual_m: registration.residual_m,
         n_used: registration.used.len(),
-        n_visible: tracks.iter().filter(|t| t.at(frame).is_some()).count(),
+        n_visible: n_visible(tracks, frame),
     })
 }
 
@@ -355,19 +395,17 @@ fn marker_reports(
 }
 
 fn report(
-    head: &HeadCapture,
-    tracks: &[Track],
+    own_poses: &[Option<HeadPose>],
     markers: Vec<MarkerReport>,
-    labels_mended: Vec<LabelMended>,
+    (labels_mended, without_pose, frames): (Vec<LabelMended>, Vec<PoseGap>, FrameQuality),
     shape: &HeadShape,
     tracked: &TrackedPoses,
 ) -> HeadReport {
-    let frames = FrameQuality::of(&head.poses, tracks);
     let residuals: Vec<f64> =
-        head.poses.iter().flatten().map(|p| p.fit_residual_m * p.fit_residual_m).collect();
+        own_poses.iter().flatten().map(|p| p.fit_residual_m * p.fit_residual_m).collect();
     HeadReport {
         markers,
-        without_pose: pose_gaps(&frames, head.first_frame),
+        without_pose,
         labels_mended,
         frames,
         fit_residual_m: (!residuals.is_empty())

@@ -81,8 +81,9 @@ pub(crate) fn pose_track(
     // Noise of the smooth track of a still head: a parabola over n poses keeps about 1.5 of 1/√n of it.
     let kept = 1.5 / ((2 * half + 1) as f64).sqrt();
     let whole = mean_pose(&all);
-    let (stray_m, stray_rad) =
-        rms_difference(&smooth.iter().copied().enumerate().collect::<Vec<_>>(), &|_| whole);
+    // Where a pose was seen: what bridges a gap rests on few poses and strays farther.
+    let smooth_known: Vec<(usize, Pose)> = known.iter().map(|(f, _)| (*f, smooth[*f])).collect();
+    let (stray_m, stray_rad) = rms_difference(&smooth_known, &|_| whole);
     // Twice that: slow drifts of the cameras are no motion of the head either.
     let moves = stray_m > 2.0 * kept * smoothing_m || stray_rad > 2.0 * kept * smoothing_rad;
     let track =

@@ -136,6 +136,20 @@ fn a_neck_that_follows_half_is_left_out() {
     );
 }
 
+/// Millimeters read as centimeters are no head.
+#[test]
+fn a_head_of_another_size_is_refused() {
+    let mut capture = capture();
+    for trajectory in &mut capture.trajectories {
+        for frame in 0..N_FRAMES {
+            let scaled = trajectory.track.at(frame).map(|p| p * 10.0);
+            trajectory.track.set(frame, scaled);
+        }
+    }
+    let error = locate_head(&capture, &session(), &HeadOptions::default()).unwrap_err();
+    assert!(matches!(error, HeadError::OtherScale { scale } if (9.0..11.0).contains(&scale)), "{error}");
+}
+
 #[test]
 fn exchanged_labels_are_told_by_their_places() {
     let mut capture = capture();
@@ -206,6 +220,29 @@ fn frames_without_a_pose_are_named_and_bridged() {
     let bridged = &located.tracked.poses.poses[220];
     let angle = bridged.rotation.angle_to(&pose(turn_rad(220)).rotation);
     assert!(angle < 0.05, "bridged {angle} rad off");
+}
+
+/// A head that is lost for a moment, or that stands still all the time, has a pose all the same.
+#[test]
+fn short_gaps_and_still_heads_are_bridged() {
+    let mut capture = capture();
+    (0..8).for_each(|k| (300..308).for_each(|f| capture.trajectories[k].track.set(f, None)));
+    let located = located(&capture);
+    assert_eq!(located.report.n_without_pose(), 0);
+    assert!(located.report.without_pose[0].is_bridged);
+    assert_eq!((located.report.frames.residual_m[304], located.report.frames.n_used[304]), (None, 0));
+    let place = located.head.strands[0].markers[0].at(304).unwrap();
+    let before = located.head.strands[0].markers[0].at(290).unwrap();
+    assert!((place - before).norm() < 1e-3, "{place} after {before}");
+    let mut still = self::capture();
+    for trajectory in &mut still.trajectories {
+        (120..N_FRAMES).for_each(|f| trajectory.track.set(f, trajectory.track.at(f - 120)));
+    }
+    (0..8).for_each(|k| (200..300).for_each(|f| still.trajectories[k].track.set(f, None)));
+    let located = self::located(&still);
+    assert!(!located.tracked.report.moves);
+    assert_eq!(located.report.n_without_pose(), 0);
+    assert!(located.head.strands[0].markers[0].at(250).is_some());
 }
 
 #[test]

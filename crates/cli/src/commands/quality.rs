@@ -3,6 +3,7 @@
 use super::{check_ending, ending};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use tousle_core::FrameSpan;
 use tousle_page::{QualityPage, quality_page};
 use tousle_pipeline::{Prepared, QualityReport, write_whole};
 
@@ -68,7 +69,9 @@ pub fn summary(report: &QualityReport) -> String {
     line("head", head_line(report));
     let gaps = &report.head.without_pose;
     for gap in gaps.iter().take(MOST_LINES) {
-        line("no pose", format!("frames {} to {}: {}", gap.span.first_frame, gap.span.last_frame, gap.why));
+        let bridged = if gap.is_bridged { "; bridged" } else { "" };
+        let FrameSpan { first_frame, last_frame } = gap.span;
+        line("no pose", format!("frames {first_frame} to {last_frame}: {}{bridged}", gap.why));
     }
     if let Some(more @ 1..) = gaps.len().checked_sub(MOST_LINES) {
         line("no pose", format!("in {more} more spans of frames (--json and reports have them all)"));

@@ -75,7 +75,7 @@ pub(crate) struct Seeing<'a> {
 }
 
 /// The median of positions, axis by axis: where hair hung, even if wind blew in some of the frames.
-fn middle(positions_m: Vec<Vec3>) -> Vec3 {
+fn middle(positions_m: &[Vec3]) -> Vec3 {
     let n = positions_m.len();
     let along = |axis: usize| {
         let mut values: Vec<f64> = positions_m.iter().map(|p| p[axis]).collect();
@@ -104,7 +104,7 @@ impl SeenLock {
                 knots_m.push(place_m);
                 used.push(marker_idx);
                 markers.push(motion);
-                rests.push(middle(seen));
+                rests.push(middle(&seen));
             }
         }
         if knots_m.len() < 2 {

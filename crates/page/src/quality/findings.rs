@@ -62,12 +62,13 @@ pub(super) fn findings(page: &QualityPage<'_>) -> Vec<Finding> {
 
 fn head(page: &QualityPage<'_>, found: &mut Vec<Finding>) {
     for gap in &page.head.without_pose {
-        let text = format!(
-            "No head pose in {}: {}. The hair is not seen from the head there; its motion is bridged.",
-            when(page, gap.span),
-            gap.why
-        );
-        found.push(Finding { weight: Weight::Serious, text });
+        let (what_of_it, weight) = if gap.is_bridged {
+            ("Its pose is told from those around.", Weight::Changed)
+        } else {
+            ("The hair is not seen from the head there; its motion is bridged.", Weight::Serious)
+        };
+        let text = format!("No head pose in {}: {}. {what_of_it}", when(page, gap.span), gap.why);
+        found.push(Finding { weight, text });
     }
     for mended in &page.head.labels_mended {
         let text = format!(

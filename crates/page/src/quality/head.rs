@@ -33,7 +33,7 @@ fn lead(page: &QualityPage<'_>) -> String {
     let motion = if track.moves { "The head moves" } else { "The head stands still" };
     let without = match head.n_without_pose() {
         0 => "every frame has a pose".to_owned(),
-        n => format!("{n} frames have no pose of their own and are bridged"),
+        n => format!("{n} frames have no pose, and only the track bridges them"),
     };
     format!(
         "{motion}; {without}. Smoothing over {} ms took {} mm and {} mrad away.",
