@@ -59,6 +59,9 @@ pub(crate) fn register(pairs: &[Pair], trust: &[f64], tolerance_m: f64) -> Optio
         pose = least_squares(&kept)?;
         used = agreeing;
     }
+    if used.len() < 3 {
+        return None;
+    }
     let sum: f64 = used.iter().map(|&k| distance2(&pose, &pairs[k])).sum();
     Some(Registration { world_from_head: pose, residual_m: (sum / used.len() as f64).sqrt(), used })
 }

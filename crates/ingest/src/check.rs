@@ -36,7 +36,7 @@ pub struct MissingMarker {
 pub fn check_against(capture: &Capture, session: &Session) -> Result<Vec<String>, CheckError> {
     let missing: Vec<MissingMarker> = session_labels(session)
         .filter(|label| capture.trajectory(label).is_none())
-        .map(|label| MissingMarker { label: label.to_owned(), nearest: nearest(label, capture) })
+        .map(|label| MissingMarker { label: label.to_owned(), nearest: nearest(label, capture, session) })
         .collect();
     if !missing.is_empty() {
         return Err(CheckError::MissingMarkers { missing });
@@ -101,9 +101,10 @@ fn warnings(capture: &Capture, session: &Session) -> Vec<String> {
 }
 
 /// The label of the capture that is fewest typing errors away, if they are few enough to be that; of several,
-/// the one that begins like it for longest.
-fn nearest(label: &str, capture: &Capture) -> Option<String> {
-    let candidates = capture.trajectories.iter().filter(|t| !t.is_unlabeled());
+/// the one that begins like it for longest. None that the session names itself.
+fn nearest(label: &str, capture: &Capture, session: &Session) -> Option<String> {
+    let is_taken = |other: &str| session_labels(session).any(|own| own == other);
+    let candidates = capture.trajectories.iter().filter(|t| !t.is_unlabeled() && !is_taken(&t.label));
     let rank = |other: &str| {
         let n_alike = label.chars().zip(other.chars()).take_while(|(a, b)| a == b).count();
         (distance(&fold(label), &fold(other)), std::cmp::Reverse(n_alike))

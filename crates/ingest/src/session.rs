@@ -41,7 +41,8 @@ use tousle_core::{
 /// | `fans[].to_azimuth_deg`, `.blows_towards_world`, `.program` | `None`, empty |
 /// | `air_density_kg_m3` | 1.2 kg/m³ |
 /// | `name` | `session` |
-/// | `subject`, `rate_hz`, `units`, `up_axis`, `still_frames`, `wind_starts_about_frame` | `None` |
+/// | `still_frames` | with `wind_starts_about_frame`, all before it but for the last tenth; else `None` |
+/// | `subject`, `rate_hz`, `units`, `up_axis`, `wind_starts_about_frame` | `None` |
 ///
 /// # Errors
 /// [`SessionError`] with line and column where the text cannot be read, and with the field's path where a value
@@ -59,7 +60,11 @@ pub fn read_session(bytes: &[u8]) -> Result<Session, SessionError> {
         rate_hz: file.rate_hz.map(|rate| positive("rate_hz", rate)).transpose()?,
         unit: file.units.as_deref().map(unit).transpose()?,
         up_axis: file.up_axis.as_deref().map(up_axis).transpose()?,
-        still_frames: file.still_frames.map(still_frames).transpose()?,
+        still_frames: match (file.still_frames, file.wind_starts_about_frame) {
+            (Some(frames), _) => Some(still_frames(frames)?),
+            (None, Some(start)) => defaults::still_frames(start).map(|default| assume(&mut assumed, default)),
+            (None, None) => None,
+        },
         wind_start_frame: file.wind_starts_about_frame,
         head_markers,
         body,

@@ -160,6 +160,17 @@ fn a_bare_session_gets_defaults_that_are_all_listed() {
     assert_eq!(session.strands[0].markers[0].distance_from_root_m, None);
 }
 
+/// Who says when the wind starts says when hair hung still.
+#[test]
+fn hair_is_still_before_the_wind() {
+    let session = read_session(
+        JSON.replace("\"still_frames\": [1, 120],", "\"wind_starts_about_frame\": 121,").as_bytes(),
+    )
+    .unwrap();
+    assert_eq!(session.still_frames, Some((0, 108)));
+    assert!(session.assumed.iter().any(|assumption| assumption.what == "still_frames"));
+}
+
 #[test]
 fn what_cannot_be_is_refused() {
     for (from, to, expected) in [
