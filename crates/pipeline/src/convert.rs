@@ -149,6 +149,9 @@ pub fn convert(
         raster: raster.report,
         losses: Vec::new(),
     };
+    if let (Some(found), Some(refined)) = (&mut report.fit.physical, &report.refine) {
+        found.warnings.extend(refined.doubt());
+    }
     report.find_losses();
     let eff = Eff {
         name: prepared.session.name.clone(),

@@ -11,6 +11,24 @@ pub struct RefineReport {
     pub kept: usize,
 }
 
+/// A wig that is off by more than this is believed less, m: on captures of all that a session should have it is 4 to 7 mm.
+const DOUBTFUL_M: f64 = 0.02;
+
+impl RefineReport {
+    /// Says so where the wig does not move in the wind that is kept as it was seen to move: then something that was taken for
+    /// granted is wrong.
+    pub fn doubt(&self) -> Option<String> {
+        let off_m = self.rounds.get(self.kept)?.seen_m;
+        (off_m.is_nan() || off_m >= DOUBTFUL_M).then(|| {
+            format!(
+                "found the captured wig, simulated in this wind, off by {:.0} mm, expected some 5 mm: is the session right \
+                 (still frames, up axis, places of roots)?",
+                off_m * 1e3
+            )
+        })
+    }
+}
+
 /// How far the simulated markers are from the seen ones: the root mean square over a lock's markers and frames, geometric mean
 /// over locks, m. So a lock that falls to the other side of a shoulder counts as one lock.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -45,6 +63,18 @@ pub(crate) fn best(rounds: &[Round]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_wig_that_moves_otherwise_is_doubted() {
+        let report = |kept: usize, rounds: &[f64]| RefineReport {
+            held_out: Vec::new(),
+            rounds: rounds.iter().map(|m| Round { seen_m: *m, held_out_m: None }).collect(),
+            kept,
+        };
+        assert_eq!(report(1, &[0.05, 0.005]).doubt(), None);
+        assert!(report(1, &[0.08, 0.05]).doubt().is_some_and(|words| words.contains("off by 50 mm")));
+        assert!(report(0, &[f64::INFINITY]).doubt().is_some());
+    }
 
     #[test]
     fn it_stops_where_those_held_out_are_nearest() {
