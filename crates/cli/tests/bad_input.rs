@@ -220,13 +220,13 @@ fn a_capture_in_another_unit() {
             let mut session: serde_json::Value = serde_json::from_str(&session).unwrap();
             for place in session["head_markers_mm_in_head_frame"].as_object_mut().unwrap().values_mut() {
                 for coordinate in place.as_array_mut().unwrap() {
-                    *coordinate = (coordinate.as_f64().unwrap() * 0.1).into();
+                    *coordinate = (coordinate.as_f64().unwrap() * 10.0).into();
                 }
             }
-            room.write("cm.json", session.to_string());
-            "gusts.c3d --session cm.json".to_owned()
+            room.write("tenths.json", session.to_string());
+            "gusts.c3d --session tenths.json".to_owned()
         },
-        &["10.0", "times as far apart", "unit"],
+        &["0.1", "times as far apart", "unit"],
     );
 }
 
