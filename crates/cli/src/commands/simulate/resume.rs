@@ -147,10 +147,12 @@ impl Inputs {
     }
 }
 
+/// Removes the parts of a folder, whole ones and begun ones.
 fn remove_parts(folder: &Path) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
-        if path.extension().is_some_and(|ending| ending == "part") {
+        // A program that is killed while it writes a part leaves that under a hidden name.
+        if path.extension().is_some_and(|ending| ending == "part" || ending == "partial") {
             fs::remove_file(path)?;
         }
     }
