@@ -230,7 +230,7 @@ fn what_is_no_groom_says_so() {
         (b"Ogawa\xff\x00\x01", "Alembic groom, the header: found 8 bytes"),
         (b"#usda 1.0\n", "no BasisCurves"),
         (b"{\"strands\": []}", "the groom has no strands"),
-        (b"{\"strands\": [{\"rest_curve_m\": [[0,0,0]]}]}", "the groom has no strands"),
+        (b"{\"strands\": [{\"rest_curve_m\": [[0,0,0]]}]}", "1 of 1 strands have no segment"),
         (
             b"{\"strands\": [{\"rest_curve_m\": [[0,0,0],[0,0,1]], \"lock_width_m\": -1}]}",
             "lock_width_m = -1",
