@@ -217,6 +217,24 @@ fn inspect_tells_what_it_can() {
     assert_eq!(summary.bounds_m, Some([[0.0, 0.0, -0.2], [0.1, 0.02, 0.1]]));
 }
 
+/// USD's own programs do not see what is not active; what they see and do not draw is told.
+#[test]
+fn usd_prims_that_are_not_active_are_left_out() {
+    let curves = |head: &str, body: &str| {
+        format!(
+            "#usda 1.0\n(\n    upAxis = \"Z\"\n    metersPerUnit = 1\n)\ndef BasisCurves \"c\" {head} {{\n{body}\
+             int[] curveVertexCounts = [2]\npoint3f[] points = [(0, 0, 0), (0, 0, 0.1)]\n\
+             uniform token type = \"linear\"\n}}\n"
+        )
+    };
+    let read = |text: String| read_groom(text.as_bytes(), &GroomOptions::default());
+    assert_eq!(read(curves("", "")).unwrap().groom.strands.len(), 1);
+    let error = read(curves("(active = false)", "")).unwrap_err().to_string();
+    assert!(error.contains("/c: it is not active"), "{error}");
+    let warnings = read(curves("", "token visibility = \"invisible\"\n")).unwrap().warnings;
+    assert!(warnings.iter().any(|warning| warning.contains("/c: it is invisible")), "{warnings:?}");
+}
+
 #[test]
 fn what_is_no_groom_says_so() {
     let mut nan = binary(GroomFormat::Data);

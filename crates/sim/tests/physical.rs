@@ -239,6 +239,17 @@ fn a_strand_does_not_know_its_neighbors() {
     assert_eq!(threaded.positions_m, all.positions_m);
 }
 
+/// However much a step may be off, none is longer than was asked for.
+#[test]
+fn adaptive_keeps_to_the_longest_step() {
+    let n_steps = |longest_secs: f64| {
+        let options = SimOptions { tolerance_m: 0.05, ..physical(Integrator::Adaptive, longest_secs, 0.5) };
+        run(&still_air(), &mannequin(), vec![over_the_head()], &options).unwrap().report.n_steps
+    };
+    assert!(n_steps(0.02) < 250, "{}", n_steps(0.02));
+    assert!(n_steps(0.002) >= 250, "{}", n_steps(0.002));
+}
+
 /// An integrator of the other method, a tolerance that is none, an explicit step beyond its limit, and one that is too short
 /// for single precision are refused.
 #[test]
