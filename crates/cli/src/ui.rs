@@ -7,9 +7,8 @@ use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 use std::sync::OnceLock;
 use tousle_core::Progress;
-use tousle_field::GridError;
 use tousle_fit::FitError;
-use tousle_pipeline::Watch;
+use tousle_pipeline::{ConvertError, Watch};
 use tousle_sim::SimError;
 
 /// How a command that did not fail ended.
@@ -51,7 +50,7 @@ pub fn is_wrong_argument(error: &anyhow::Error) -> bool {
     use SimError::{BadOption, OtherMethod, TooShort, Unstable};
     error.chain().any(|cause| {
         cause.is::<WrongArgument>()
-            || cause.is::<GridError>()
+            || matches!(cause.downcast_ref(), Some(ConvertError::Grid(_)))
             || matches!(
                 cause.downcast_ref(),
                 Some(BadOption { .. } | OtherMethod { .. } | TooShort { .. } | Unstable { .. })

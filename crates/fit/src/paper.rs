@@ -1,3 +1,4 @@
+use crate::median::median;
 use crate::resample::{n_steps, position_at};
 use crate::{Fit, FitError, FitReport, outside_direction};
 use std::borrow::Cow;
@@ -215,9 +216,7 @@ fn noise(markers: &[Marker<'_>], still: Option<(usize, usize)>) -> Option<f64> {
             .collect();
         (squares.len() >= 10).then(|| (squares.iter().sum::<f64>() / (squares.len() - 1) as f64).sqrt())
     };
-    let mut noises: Vec<f64> = markers.iter().filter_map(of_marker).collect();
-    noises.sort_by(f64::total_cmp);
-    noises.get(noises.len() / 2).copied()
+    median(markers.iter().filter_map(of_marker).collect())
 }
 
 /// The wind outside: the fans' direction, with the mean strength that the markers feel along it at that time.

@@ -1,7 +1,7 @@
 use crate::frames::{FrameQuality, LabelMended, PoseGap, label_spans, n_visible, pose_gaps};
 use crate::labels::mend_labels;
 use crate::registration::{Pair, Registration, register};
-use crate::shape::{HeadShape, head_shape};
+use crate::shape::{HeadShape, head_shape, median};
 use crate::smooth::{PoseTrackReport, SmoothOptions, TrackedPoses, pose_track};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -127,8 +127,8 @@ pub enum HeadError {
 /// Finds the head's pose in every frame and expresses every lock in head space.
 ///
 /// In: world-space positions, m. Out: `world_from_head` a frame, `None` where fewer than three trusted markers
-/// agree, unless the head stands still or was lost for a moment only; the smooth track of those poses; marker tracks in head space, m, missing wherever the marker or the
-/// pose is. Locks are seen from the *smooth* track: the noise of eight markers turns the head by 2 mrad a frame,
+/// agree, unless the head stands still or was lost for a moment only; the smooth track of those poses; marker tracks
+/// in head space, m, missing wherever the marker or the pose is. Locks are seen from the *smooth* track: the noise of eight markers turns the head by 2 mrad a frame,
 /// which would shake a tip 25 cm away by half a millimeter, three times the cameras' own noise.
 ///
 /// The paper takes the head's motion away with 8 markers and does not say how (3.1). Here: the rigid transform
@@ -177,7 +177,7 @@ pub fn locate_head(
     let markers = marker_reports(&registrations, session, &tracks, &shape, &agreement, &trust, &head);
     let frames = FrameQuality::of(&own_poses, &tracks);
     let without_pose = pose_gaps(&frames, &bridged, capture.first_frame);
-    let report = report(&own_poses, markers, (labels_mended, without_pose, frames), &shape, &tracked);
+    let report = report(&own_poses, markers, labels_mended, without_pose, frames, &shape, &tracked);
     Ok(Located { head, tracked, report })
 }
 
@@ -203,9 +203,8 @@ fn scale(tracks: &[Track], session: &Session) -> Option<f64> {
         }
         (own2 > 0.0).then(|| (seen2 / own2).sqrt())
     };
-    let mut scales: Vec<f64> = (0..n_frames).filter_map(at).collect();
-    let middle = scales.len() / 2;
-    (!scales.is_empty()).then(|| *scales.select_nth_unstable_by(middle, f64::total_cmp).1)
+    let scales: Vec<f64> = (0..n_frames).filter_map(at).collect();
+    (!scales.is_empty()).then(|| median(scales))
 }
 
 /// How long a head may be out of sight, s, while its pose is told from those around: one that starts or ends a nod within
@@ -397,7 +396,9 @@ fn marker_reports(
 fn report(
     own_poses: &[Option<HeadPose>],
     markers: Vec<MarkerReport>,
-    (labels_mended, without_pose, frames): (Vec<LabelMended>, Vec<PoseGap>, FrameQuality),
+    labels_mended: Vec<LabelMended>,
+    without_pose: Vec<PoseGap>,
+    frames: FrameQuality,
     shape: &HeadShape,
     tracked: &TrackedPoses,
 ) -> HeadReport {

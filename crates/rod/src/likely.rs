@@ -82,12 +82,10 @@ impl Style {
         let gap_m = |lock: &Lock| nearest_gap(lock, &surfaces, lock.width_m);
         let gaps_m: Vec<Option<f64>> = locks.par_iter().map(gap_m).collect();
         let touch = Touch::by_rest(&gaps_m);
-        let is_free = |lock: &Lock, gap_m: Option<f64>| match touch {
-            Some(Touch { within_m, .. }) if within_m > lock.width_m => {
-                nearest_gap(lock, &surfaces, within_m).is_none()
-            }
-            Some(Touch { within_m, .. }) => gap_m.is_none_or(|gap_m| gap_m > within_m),
-            None => gap_m.is_none(),
+        let is_free = |lock: &Lock, gap_m: Option<f64>| {
+            let within_m = touch.map_or(lock.width_m, |touch| touch.within_m);
+            let gap_m = if within_m > lock.width_m { nearest_gap(lock, &surfaces, within_m) } else { gap_m };
+            gap_m.is_none_or(|gap_m| gap_m > within_m)
         };
         let free = locks.par_iter().zip(&gaps_m).enumerate();
         let free = free.filter(|(i, (lock, gap_m))| is_known(*i) && is_free(lock, **gap_m));

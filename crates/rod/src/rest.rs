@@ -4,7 +4,6 @@ use crate::lock::Lock;
 use crate::natural::{Fall, Natural, bends_over_m, curvature, falls, rest_bend};
 use crate::nnls::nonnegative_least_squares;
 use crate::touching::{Candidate, candidates};
-use core::cmp::Ordering;
 use nalgebra::{DMatrix, DVector};
 use tousle_core::{Body, Pose, Vec3};
 
@@ -199,12 +198,11 @@ impl<'a> Search<'a> {
                 weight_torques[j] + bend * (self.natural_weight * lock.joint_stiffness[j])
             })
             .collect();
-        let mut products = DMatrix::from_fn(units.len(), units.len(), |r, c| match r.cmp(&c) {
-            Ordering::Less => 0.0,
-            Ordering::Equal => dot(&units[r], &units[c], &self.costs) + self.force_cost,
-            Ordering::Greater => dot(&units[r], &units[c], &self.costs),
+        let mut products = DMatrix::from_fn(units.len(), units.len(), |r, c| {
+            if r < c { 0.0 } else { dot(&units[r], &units[c], &self.costs) }
         });
         products.fill_upper_triangle_with_lower_triangle();
+        (0..units.len()).for_each(|k| products[(k, k)] += self.force_cost);
         let b = DVector::from_fn(units.len(), |r, _| -dot(&units[r], &wished, &self.costs));
         let forces_n: Vec<f64> = nonnegative_least_squares(&products, &b).iter().copied().collect();
         let mut torques = weight_torques.to_vec();

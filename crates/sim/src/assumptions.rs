@@ -24,16 +24,14 @@ pub(crate) fn assumptions(
     deepest_m: impl Iterator<Item = f64>,
 ) -> Vec<Assumption> {
     let mut assumed = groom.assumed.clone();
-    if timeline.has_shot_head() {
+    if timeline.shot_head().is_some() {
         assumed.push(Assumption {
             what: "torso".to_owned(),
             value: "faces where the head faces in the shot's first pose".to_owned(),
             why: "a pose track says nothing of the shoulders".to_owned(),
         });
     }
-    if let Some(assumption) = held_head(timeline) {
-        assumed.push(assumption);
-    }
+    assumed.extend(held_head(timeline));
     let tilt = timeline.tilt_at_start();
     if tilt > 1e-3 {
         assumed.push(Assumption {

@@ -103,7 +103,8 @@ fn air(terms: &Terms) -> PlanEntry {
 }
 
 fn head_movement(timeline: &Timeline<'_>, terms: &Terms) -> PlanEntry {
-    let whose = if timeline.has_shot_head() { "the shot's own poses" } else { "the field file's poses" };
+    let whose =
+        if timeline.shot_head().is_some() { "the shot's own poses" } else { "the field file's poses" };
     if terms.head_movement {
         entry("head movement", true, format!("{whose}: linear, angular, centrifugal, Coriolis"))
     } else {

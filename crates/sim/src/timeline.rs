@@ -204,11 +204,6 @@ impl<'a> Timeline<'a> {
         strongest
     }
 
-    /// Whether the head's motion is the shot's own.
-    pub fn has_shot_head(&self) -> bool {
-        self.head.is_shot
-    }
-
     /// The head's motion, if it is the shot's own.
     pub fn shot_head(&self) -> Option<&PoseTrack> {
         self.head.is_shot.then_some(self.head.poses)

@@ -32,11 +32,6 @@ pub fn run(args: &InspectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         show(args.json, &inspection, field_table)?;
     } else if args.session.is_some() || tousle_ingest::guess_format(&bytes).is_some() {
         capture::run(args, &bytes, watch).with_context(cannot)?;
-    } else if tousle_ingest::read_session(&bytes).is_ok() {
-        return Err(anyhow!(
-            "found a session, expected a field, a capture or a groom (`tousle validate` checks sessions)"
-        ))
-        .with_context(cannot);
     } else {
         let mut options = GroomOptions::default();
         options.unit = args.groom_unit;
@@ -50,6 +45,12 @@ pub fn run(args: &InspectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
                 return Err(
                     error.context(format!("{}: neither a field, nor a groom, nor a capture", cannot()))
                 );
+            }
+            Err(_) if tousle_ingest::read_session(&bytes).is_ok() => {
+                return Err(anyhow!(
+                    "found a session, expected a field, a capture or a groom (`tousle validate` checks sessions)"
+                ))
+                .with_context(cannot);
             }
             Err(error) => return Err(anyhow::Error::from(error).context(cannot())),
         }

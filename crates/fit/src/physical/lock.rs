@@ -4,6 +4,7 @@ use super::moments;
 use super::smooth::Motion;
 use super::spline::spline_weights;
 use super::tracks::{Clock, MarkerMotion, fixed_motion, marker_motion};
+use crate::median::median;
 use nalgebra::{DMatrix, UnitQuaternion};
 use tousle_core::{Along, HeadCapture, Pose, Sample, Session, Strand, StrandSpec, Vec3};
 use tousle_rod::{Lock, shortest_rotation, shortest_turn};
@@ -75,13 +76,9 @@ pub(crate) struct Seeing<'a> {
 }
 
 /// The median of positions, axis by axis: where hair hung, even if wind blew in some of the frames.
-fn middle(positions_m: &[Vec3]) -> Vec3 {
-    let n = positions_m.len();
-    let along = |axis: usize| {
-        let mut values: Vec<f64> = positions_m.iter().map(|p| p[axis]).collect();
-        *values.select_nth_unstable_by(n / 2, f64::total_cmp).1
-    };
-    Vec3::new(along(0), along(1), along(2))
+fn middle(positions_m: &[Vec3]) -> Option<Vec3> {
+    let along = |axis: usize| median(positions_m.iter().map(|p| p[axis]).collect());
+    Some(Vec3::new(along(0)?, along(1)?, along(2)?))
 }
 
 impl SeenLock {
@@ -100,11 +97,11 @@ impl SeenLock {
             let motion = marker_motion(track, samples, seeing.clock, seeing.cutoff_hz);
             let range = seeing.still.unwrap_or((0, track.n_frames() - 1));
             let seen: Vec<Vec3> = (range.0..=range.1).filter_map(|f| track.at(f)).collect();
-            if let (true, Some(motion), false) = (is_apart, motion, seen.is_empty()) {
+            if let (true, Some(motion), Some(rest)) = (is_apart, motion, middle(&seen)) {
                 knots_m.push(place_m);
                 used.push(marker_idx);
                 markers.push(motion);
-                rests.push(middle(&seen));
+                rests.push(rest);
             }
         }
         if knots_m.len() < 2 {

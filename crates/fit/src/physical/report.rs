@@ -1,8 +1,9 @@
 use super::lock::SeenLock;
 use super::prior::is_still;
 use super::solve::{Problem, Solved};
+use crate::median::median;
 use serde::Serialize;
-use tousle_core::{Track, Vec3};
+use tousle_core::{FrameSpan, Track, Vec3};
 use tousle_flow::AirState;
 
 /// What the method `physical` found out on the way and what it took for granted.
@@ -74,19 +75,14 @@ fn moves_at_rest(problem: &Problem<'_>) -> Option<String> {
         (!seen.is_empty()).then(|| (squares / seen.len() as f64).sqrt())
     };
     let tracks = problem.head.strands.iter().flat_map(|strand| &strand.markers);
-    let mut moves: Vec<f64> = tracks.filter_map(moves_m).collect();
-    if moves.is_empty() {
-        return None;
-    }
-    let middle = moves.len() / 2;
-    let moves_m = *moves.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let frame = |frame: usize| problem.head.first_frame.saturating_add_unsigned(frame as u64);
+    let moves_m = median(tracks.filter_map(moves_m).collect())?;
+    let span = FrameSpan::of(problem.head.first_frame, &(first..last + 1));
     (moves_m > STILL_M).then(|| {
         format!(
             "found locks that move by {:.1} mm (rms, the median marker) in the still frames {} to {}, expected hair that hangs still",
             moves_m * 1e3,
-            frame(first),
-            frame(last)
+            span.first_frame,
+            span.last_frame
         )
     })
 }
