@@ -230,16 +230,15 @@ fn with_bridges(
     tracks: &[Track],
     tracked: &TrackedPoses,
 ) -> Vec<Option<HeadPose>> {
-    let bridge = |frame: usize| HeadPose {
-        world_from_head: *tracked.pose(frame),
-        fit_residual_m: 0.0,
-        n_used: 0,
-        n_visible: n_visible(tracks, frame),
+    let smooth = |(frame, pose): (usize, &Option<HeadPose>)| {
+        let world_from_head = *tracked.pose(frame);
+        let bridge = HeadPose { world_from_head, fit_residual_m: 0.0, n_used: 0, n_visible: n_visible(tracks, frame) };
+        match pose {
+            Some(own) => Some(HeadPose { world_from_head, ..own.clone() }),
+            None => bridged[frame].then_some(bridge),
+        }
     };
-    let pose = |(frame, pose): (usize, &Option<HeadPose>)| {
-        pose.clone().or_else(|| bridged[frame].then(|| bridge(frame)))
-    };
-    poses.iter().enumerate().map(pose).collect()
+    poses.iter().enumerate().map(smooth).collect()
 }
 
 fn head_tracks<'a>(capture: &'a Capture, session: &Session) -> Result<Vec<&'a Track>, HeadError> {
