@@ -307,9 +307,10 @@ impl Work {
     ) -> Cleaned {
         for m in 0..self.tracks.len() {
             let seen_error_m = self.noise_m[m].unwrap_or(self.usual_noise_m) * 3f64.sqrt();
-            for s in &mut self.samples[m] {
+            for (s, pose) in self.samples[m].iter_mut().zip(&head.poses) {
                 if !matches!(s.kind, SampleKind::Missing | SampleKind::Filled) {
-                    s.error_m = seen_error_m;
+                    let of_pose_m = pose.as_ref().map_or(0.0, |pose| pose.expected_error_m);
+                    s.error_m = libm::hypot(seen_error_m, of_pose_m);
                 }
             }
         }

@@ -29,6 +29,8 @@ pub struct UnlabeledTrack {
 pub struct HeadPose {
     /// Head space to world space.
     pub world_from_head: Pose,
+    /// How far off hair is seen from it, m, if it is told from the poses around; 0 if the head was seen.
+    pub expected_error_m: f64,
     /// Root mean square distance between the markers that were used and their places on the head, m.
     pub fit_residual_m: f64,
     /// How many head markers were seen and used.

@@ -55,7 +55,7 @@ pub(crate) fn n_visible(tracks: &[Track], frame: usize) -> usize {
 }
 
 /// The runs of frames without a pose, each with what is to blame.
-pub(crate) fn pose_gaps(quality: &FrameQuality, bridged: &[bool], first_frame: i64) -> Vec<PoseGap> {
+pub(crate) fn pose_gaps(quality: &FrameQuality, bridged: &[Option<f64>], first_frame: i64) -> Vec<PoseGap> {
     let gaps = runs(quality.residual_m.len(), |f| quality.residual_m[f].is_none());
     let gap = |frames: &std::ops::Range<usize>| {
         let n_visible = quality.n_visible[frames.clone()].iter().copied().max().unwrap_or(0);
@@ -68,7 +68,7 @@ pub(crate) fn pose_gaps(quality: &FrameQuality, bridged: &[bool], first_frame: i
             span: FrameSpan::of(first_frame, frames),
             n_visible,
             why,
-            is_bridged: bridged[frames.start],
+            is_bridged: bridged[frames.start].is_some(),
         }
     };
     gaps.iter().map(gap).collect()

@@ -4,6 +4,7 @@
 //! where the cameras saw them, from whichever markers are there and behave, smooths the poses into the track that
 //! a field file carries, and expresses every lock in head space.
 
+mod bridge;
 mod frames;
 mod labels;
 mod locate;

@@ -164,7 +164,7 @@ pub fn locate_head(
         registrations.iter().enumerate().map(|(frame, r)| head_pose(r.as_ref(), &tracks, frame)).collect();
     let seen: Vec<_> = registrations.iter().map(|r| Some(r.as_ref()?.world_from_head)).collect();
     let tracked = pose_track(&seen, capture.rate_hz, still, &options.smooth);
-    let bridged = bridged(&own_poses, &tracked, capture.rate_hz);
+    let bridged = bridged(capture.n_frames, &tracked);
     let poses = with_bridges(&own_poses, &bridged, &tracks, &tracked);
     let head = HeadCapture {
         rate_hz: capture.rate_hz,
@@ -207,35 +207,41 @@ fn scale(tracks: &[Track], session: &Session) -> Option<f64> {
     (!scales.is_empty()).then(|| median(scales))
 }
 
-/// How long a head may be out of sight, s, while its pose is told from those around: one that starts or ends a nod within
-/// that time is off by millimeters.
-const BRIDGED_SECS: f64 = 0.1;
+/// How far off a pose may be expected that is told from those around, m. If it falls, more hair is thrown away with its
+/// frames; raised, the head's error passes for motion of all the hair at once.
+const MOST_BRIDGED_M: f64 = 4e-3;
 
-/// Which frames without a pose of their own have one all the same: all if the head stands still, else those of short gaps.
-fn bridged(poses: &[Option<HeadPose>], tracked: &TrackedPoses, rate_hz: f64) -> Vec<bool> {
-    let mut bridged = vec![false; poses.len()];
-    for gap in runs(poses.len(), |frame| poses[frame].is_none()) {
-        let is_within = gap.start > 0 && gap.end < poses.len();
-        if !tracked.report.moves || (is_within && gap.len() as f64 <= BRIDGED_SECS * rate_hz) {
-            bridged[gap].fill(true);
-        }
+/// How far off the poses of frames without one of their own are, m, where that can be borne; 0 for a head that stands still.
+fn bridged(n_frames: usize, tracked: &TrackedPoses) -> Vec<Option<f64>> {
+    if !tracked.report.moves {
+        return vec![Some(0.0); n_frames];
     }
-    bridged
+    let mut errors_m = vec![None; n_frames];
+    for bridge in tracked.bridges.iter().filter(|bridge| bridge.expected_error_m <= MOST_BRIDGED_M) {
+        errors_m[bridge.frames.clone()].fill(Some(bridge.expected_error_m));
+    }
+    errors_m
 }
 
 /// The poses, and smooth ones where they are bridged.
 fn with_bridges(
     poses: &[Option<HeadPose>],
-    bridged: &[bool],
+    bridged: &[Option<f64>],
     tracks: &[Track],
     tracked: &TrackedPoses,
 ) -> Vec<Option<HeadPose>> {
     let smooth = |(frame, pose): (usize, &Option<HeadPose>)| {
         let world_from_head = *tracked.pose(frame);
-        let bridge = HeadPose { world_from_head, fit_residual_m: 0.0, n_used: 0, n_visible: n_visible(tracks, frame) };
+        let bridge = |expected_error_m: f64| HeadPose {
+            world_from_head,
+            expected_error_m,
+            fit_residual_m: 0.0,
+            n_used: 0,
+            n_visible: n_visible(tracks, frame),
+        };
         match pose {
             Some(own) => Some(HeadPose { world_from_head, ..own.clone() }),
-            None => bridged[frame].then_some(bridge),
+            None => bridged[frame].map(bridge),
         }
     };
     poses.iter().enumerate().map(smooth).collect()
@@ -320,6 +326,7 @@ fn head_pose(registration: Option<&Registration>, tracks: &[Track], frame: usize
     let registration = registration?;
     Some(HeadPose {
         world_from_head: registration.world_from_head,
+        expected_error_m: 0.0,
         fit_residual_m: registration.residual_m,
         n_used: registration.used.len(),
         n_visible: n_visible(tracks, frame),

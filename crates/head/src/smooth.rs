@@ -1,3 +1,4 @@
+use crate::bridge::{Bridge, bridges};
 use nalgebra::UnitQuaternion;
 use serde::Serialize;
 use tousle_core::{Pose, PoseTrack, Vec3};
@@ -25,6 +26,8 @@ pub struct TrackedPoses {
     pub rest_pose: Pose,
     /// What was done.
     pub report: PoseTrackReport,
+    /// Frames without a pose, and what is known of it.
+    pub(crate) bridges: Vec<Bridge>,
 }
 
 impl TrackedPoses {
@@ -52,8 +55,8 @@ pub struct PoseTrackReport {
 /// Makes of the poses of a capture a smooth track.
 ///
 /// Position and rotation vector (about the pose in the window's middle) are fitted by a parabola over a sliding
-/// window (Savitzky and Golay 1964), frames without a pose bridged by the same fit over a window that reaches
-/// poses on both sides; before the first pose and after the last one the head is held. A head whose smooth poses
+/// window (Savitzky and Golay 1964), after frames without a pose got one from those on both sides ([`bridges`]); before
+/// the first pose and after the last one the head is held. A head whose smooth poses
 /// do not stray from their mean by more than what noise makes of a still one gives a track of one pose, so
 /// that a simulator can leave the head's motion out.
 ///
@@ -67,7 +70,13 @@ pub(crate) fn pose_track(
 ) -> TrackedPoses {
     let known: Vec<(usize, Pose)> = poses.iter().enumerate().filter_map(|(f, p)| Some((f, (*p)?))).collect();
     let half = options.window_secs.map_or_else(|| best_half(&known, rate_hz), |secs| half(secs, rate_hz));
-    let smooth: Vec<Pose> = (0..poses.len()).map(|frame| bridged_pose(&known, frame, half)).collect();
+    let bridges = bridges(&known, rate_hz);
+    let mut all_within = known.clone();
+    all_within.extend(bridges.iter().flat_map(|bridge| bridge.frames.clone().zip(bridge.poses.iter().copied())));
+    all_within.sort_by_key(|(frame, _)| *frame);
+    let (first, last) = (all_within[0].0, all_within[all_within.len() - 1].0);
+    let smooth: Vec<Pose> =
+        (0..poses.len()).map(|frame| smooth_pose(&all_within, frame.clamp(first, last), half)).collect();
     let rest: Vec<Pose> = match still {
         Some((first, last)) => {
             known.iter().filter(|(f, _)| (first..=last).contains(f)).map(|(_, p)| *p).collect()
@@ -91,7 +100,7 @@ pub(crate) fn pose_track(
     let frames_bridged = poses.len() - known.len();
     let window_secs = (2 * half + 1) as f64 / rate_hz;
     let report = PoseTrackReport { frames_bridged, moves, window_secs, smoothing_m, smoothing_rad };
-    TrackedPoses { poses: track, rest_pose: if moves { rest_pose } else { whole }, report }
+    TrackedPoses { poses: track, rest_pose: if moves { rest_pose } else { whole }, report, bridges }
 }
 
 /// Frames on each side of a window's middle.
@@ -107,10 +116,16 @@ fn best_half(known: &[(usize, Pose)], rate_hz: f64) -> usize {
     halves[best.unwrap_or(0)]
 }
 
-/// Mean square difference between a pose and what the others in its window say of it: m² of the center plus m²
-/// of a point 0.1 m from it, so that turns and travel count as they move hair.
-fn foretelling_error(known: &[(usize, Pose)], half: usize) -> f64 {
+/// How far apart two poses are, squared: m² of the center plus m² of a point 0.1 m from it, so that turns and travel count
+/// as they move hair.
+pub(crate) fn distance2(a: &Pose, b: &Pose) -> f64 {
     const LEVER_M: f64 = 0.1;
+    let angle = a.rotation.angle_to(&b.rotation) * LEVER_M;
+    (a.translation.vector - b.translation.vector).norm_squared() + angle * angle
+}
+
+/// Mean square difference between a pose and what the others in its window say of it.
+fn foretelling_error(known: &[(usize, Pose)], half: usize) -> f64 {
     let mut sum = 0.0;
     // Some hundred frames tell as much as all.
     let stride = known.len() / 400 + 1;
@@ -122,26 +137,9 @@ fn foretelling_error(known: &[(usize, Pose)], half: usize) -> f64 {
             continue;
         }
         let foretold = smooth_pose(&others, *frame, half);
-        let angle = foretold.rotation.angle_to(&pose.rotation) * LEVER_M;
-        sum += (foretold.translation.vector - pose.translation.vector).norm_squared() + angle * angle;
+        sum += distance2(&foretold, pose);
     }
     sum
-}
-
-/// The smooth pose of any frame, seen or not.
-///
-/// A parabola through poses on one side only runs away: a window about a frame without a pose grows until it
-/// holds three poses on either side, or as many as there are.
-fn bridged_pose(known: &[(usize, Pose)], frame: usize, half: usize) -> Pose {
-    let (first, last) = (known[0].0, known[known.len() - 1].0);
-    let frame = frame.clamp(first, last);
-    let at = known.partition_point(|(f, _)| *f < frame);
-    if known[at].0 == frame {
-        return smooth_pose(known, frame, half);
-    }
-    let third_before = known[at.saturating_sub(3)].0;
-    let third_after = known[(at + 2).min(known.len() - 1)].0;
-    smooth_pose(known, frame, half.max(frame - third_before).max(third_after - frame))
 }
 
 /// The parabola over the window about a frame; the window grows until it holds three poses (or all there are).

@@ -1,13 +1,14 @@
 //! Markers and head over time, smooth and with derivatives, at the time steps asked for.
 
 use super::smooth::{Motion, motion_at, penalty, smooth};
+use nalgebra::UnitQuaternion;
 use tousle_core::{HeadCapture, Pose, Sample, Track, Vec3};
 
 /// Time steps of a capture and where the head is at each.
 pub(crate) struct Clock {
     pub(crate) n_steps: usize,
     pub(crate) rate_hz: f64,
-    /// `world_from_head` in every frame; where nobody knows it, as in the nearest frame in which one does.
+    /// `world_from_head` in every frame; where nobody knows it, between those around.
     pub(crate) poses: Vec<Pose>,
     pub(crate) frame_rate_hz: f64,
 }
@@ -15,16 +16,13 @@ pub(crate) struct Clock {
 impl Clock {
     /// `None` if no frame has a pose.
     pub(crate) fn new(head: &HeadCapture, n_steps: usize, rate_hz: f64) -> Option<Self> {
-        let known: Vec<Option<Pose>> =
-            head.poses.iter().map(|p| p.as_ref().map(|p| p.world_from_head)).collect();
-        let mut last = known.iter().flatten().next().copied()?;
-        let poses = known
+        let known: Vec<(usize, Pose)> = head
+            .poses
             .iter()
-            .map(|pose| {
-                last = pose.unwrap_or(last);
-                last
-            })
+            .enumerate()
+            .filter_map(|(frame, pose)| Some((frame, pose.as_ref()?.world_from_head)))
             .collect();
+        let poses = (!known.is_empty()).then(|| (0..head.n_frames()).map(|f| between(&known, f)).collect())?;
         Some(Self { n_steps, rate_hz, poses, frame_rate_hz: head.rate_hz })
     }
 
@@ -40,6 +38,22 @@ impl Clock {
     pub(crate) fn pose(&self, step: usize) -> &Pose {
         &self.poses[self.frame(step)]
     }
+}
+
+/// The pose in a frame, on the straight way from the last known one to the next: a head that stood still and then jumped would
+/// shake all hair.
+fn between(known: &[(usize, Pose)], frame: usize) -> Pose {
+    let next = known.partition_point(|(f, _)| *f < frame).min(known.len() - 1);
+    let ((from, before), (to, after)) = (known[next.saturating_sub(1)], known[next]);
+    if frame >= to || frame <= from {
+        return if frame >= to { after } else { before };
+    }
+    let part = (frame - from) as f64 / (to - from) as f64;
+    let turn = (before.rotation.inverse() * after.rotation).scaled_axis() * part;
+    Pose::from_parts(
+        before.translation.vector.lerp(&after.translation.vector, part).into(),
+        before.rotation * UnitQuaternion::from_scaled_axis(turn),
+    )
 }
 
 /// A marker's motion at every step, world space, and the expected error of its place, m.

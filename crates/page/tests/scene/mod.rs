@@ -224,6 +224,7 @@ fn capture(session: &Session) -> HeadCapture {
     });
     let pose_at = |f: usize| HeadPose {
         world_from_head: pose(f as f64 / 120.0),
+        expected_error_m: 0.0,
         fit_residual_m: 2e-4 + 1e-4 * libm::sin(f as f64 * 0.3).abs(),
         n_used: 3,
         n_visible: 3,
