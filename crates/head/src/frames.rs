@@ -23,9 +23,9 @@ pub struct PoseGap {
     pub n_visible: usize,
     /// Why there is no pose.
     pub why: &'static str,
-    /// Whether the poses around tell it: the head stands still, or was lost for a moment only. Otherwise locks are not seen
-    /// from the head here, and only the smooth track bridges the gap.
-    pub is_bridged: bool,
+    /// How far off hair is seen, m, from the pose that is told from those around: 0 if the head stands still. `None` if that
+    /// is too far or nobody knows: then locks are not seen from the head here, and only the smooth track bridges the gap.
+    pub bridged_to_m: Option<f64>,
 }
 
 /// Samples that stood under another head marker's label, and were given to their own.
@@ -68,7 +68,7 @@ pub(crate) fn pose_gaps(quality: &FrameQuality, bridged: &[Option<f64>], first_f
             span: FrameSpan::of(first_frame, frames),
             n_visible,
             why,
-            is_bridged: bridged[frames.start].is_some(),
+            bridged_to_m: bridged[frames.start],
         }
     };
     gaps.iter().map(gap).collect()

@@ -63,7 +63,7 @@ pub struct HeadReport {
 impl HeadReport {
     /// How many frames have no pose, not even one that can be told from those around them.
     pub fn n_without_pose(&self) -> usize {
-        let lost = self.without_pose.iter().filter(|gap| !gap.is_bridged);
+        let lost = self.without_pose.iter().filter(|gap| gap.bridged_to_m.is_none());
         lost.map(|gap| gap.span.n_frames()).sum::<u64>() as usize
     }
 }
@@ -127,7 +127,7 @@ pub enum HeadError {
 /// Finds the head's pose in every frame and expresses every lock in head space.
 ///
 /// In: world-space positions, m. Out: `world_from_head` a frame, `None` where fewer than three trusted markers
-/// agree, unless the head stands still or was lost for a moment only; the smooth track of those poses; marker tracks
+/// agree, unless those around tell it; the smooth track of those poses; marker tracks
 /// in head space, m, missing wherever the marker or the pose is. Locks are seen from the *smooth* track: the noise of eight markers turns the head by 2 mrad a frame,
 /// which would shake a tip 25 cm away by half a millimeter, three times the cameras' own noise.
 ///
@@ -207,9 +207,9 @@ fn scale(tracks: &[Track], session: &Session) -> Option<f64> {
     (!scales.is_empty()).then(|| median(scales))
 }
 
-/// How far off a pose may be expected that is told from those around, m. If it falls, more hair is thrown away with its
-/// frames; raised, the head's error passes for motion of all the hair at once.
-const MOST_BRIDGED_M: f64 = 4e-3;
+/// How far off hair may be seen from a pose that is told from those around, m. If it falls, more hair is thrown away with its
+/// frames; raised, the head's error passes for motion of all the hair at once. Hair in the wind moves by some ten times as much.
+const MOST_BRIDGED_M: f64 = 15e-3;
 
 /// How far off the poses of frames without one of their own are, m, where that can be borne; 0 for a head that stands still.
 fn bridged(n_frames: usize, tracked: &TrackedPoses) -> Vec<Option<f64>> {

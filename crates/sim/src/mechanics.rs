@@ -94,10 +94,6 @@ pub(crate) trait Mechanics: Copy + Debug + Send + Sync + 'static {
     /// What the steps of a batch took.
     fn count<L: Lane>(batch: &Self::Batch<L>) -> Count;
 
-    /// What all steps of all strands took, from the sum of what their batches counted, and the numbers of strands and of the
-    /// timeline's steps.
-    fn total(count: Count, numbers: (usize, usize)) -> Count;
-
     /// What was assumed so that the strands hang as they do.
     fn assumed(_strands: &[Prepared<Self::Shape>]) -> Vec<Assumption> {
         Vec::new()

@@ -44,6 +44,9 @@ pub(crate) struct Batch<L> {
     sticks: Vec<Stick<L>>,
     motions: Vec<Motion<L>>,
     contacts: Contacts<L>,
+    /// The strands that are read, and the steps that they have taken.
+    n_strands: u64,
+    n_steps: u64,
     /// Where the strands asked the field, if that is to be known.
     asked: Option<Extent<L>>,
 }
@@ -136,6 +139,7 @@ impl<L: Lane> Batch<L> {
     #[inline(always)]
     fn step_here(&mut self, work: &mut Vec<Work<L>>, model: &Paper, scene: &StepScene<'_>) {
         work.resize(self.sticks.len(), Work::new());
+        self.n_steps += 1;
         self.move_points(work);
         // E2: gravity, head movement, wind, collision; the spring along the strand is the sum in `solve_joints`.
         self.weigh(work, scene);

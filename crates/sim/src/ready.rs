@@ -169,7 +169,6 @@ impl<'a, M: Mechanics> Ready<'a, M> {
         assumed.extend(M::assumed(&self.strands));
         assumed.extend(limit.as_ref().and_then(|limit| limit.hope(integrator, groom, timeline.dt_secs())));
         let n_reaching = n_reaching(scene, &self.strands);
-        let count = M::total(count, (self.strands.len(), timeline.n_steps()));
         SimReport {
             integrator,
             order: integrator.order(),

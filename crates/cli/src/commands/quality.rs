@@ -69,7 +69,11 @@ pub fn summary(report: &QualityReport) -> String {
     line("head", head_line(report));
     let gaps = &report.head.without_pose;
     for gap in gaps.iter().take(MOST_LINES) {
-        let bridged = if gap.is_bridged { "; bridged" } else { "" };
+        let bridged = match gap.bridged_to_m {
+            Some(0.0) => "; it stands still".to_owned(),
+            Some(m) => format!("; told from those around, to {:.1} mm", m * 1e3),
+            None => String::new(),
+        };
         let FrameSpan { first_frame, last_frame } = gap.span;
         line("no pose", format!("frames {first_frame} to {last_frame}: {}{bridged}", gap.why));
     }

@@ -51,6 +51,8 @@ impl<L: Lane> Batch<L> {
                 .map(|s| Motion { direction: s.rest_direction, rate: Vector::zero() })
                 .collect(),
             contacts: Contacts::new(strands, n),
+            n_strands: strands.len() as u64,
+            n_steps: 0,
             asked: None,
             sticks,
         }

@@ -77,12 +77,8 @@ impl Mechanics for Paper {
         &mut batch.asked
     }
 
-    fn count<L: Lane>(_: &Batch<L>) -> Count {
-        Count::default()
-    }
-
-    fn total(_: Count, (n_strands, n_steps): (usize, usize)) -> Count {
-        let steps = (n_strands * n_steps) as u64;
+    fn count<L: Lane>(batch: &Batch<L>) -> Count {
+        let steps = batch.n_strands * batch.n_steps;
         Count { steps, iterations: steps, ..Count::default() }
     }
 }

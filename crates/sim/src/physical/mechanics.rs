@@ -212,10 +212,6 @@ impl Mechanics for Physical {
         moving.strands.count
     }
 
-    fn total(count: Count, _: (usize, usize)) -> Count {
-        count
-    }
-
     /// What the body bears, and that styles stay up.
     fn assumed(strands: &[Prepared]) -> Vec<Assumption> {
         borne_as(strands).into_iter().chain(stiffened(strands)).collect()
