@@ -33,9 +33,14 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// How much farther out than the radius a stick at rest may be borne. What lies on the head of the development
-    /// captures is within a tenth of one distance.
-    const REACH: f64 = 1.2;
+    /// How many times as far out from the median as the nearest are inwards what lies on a body may be. Gaps of curves that
+    /// a simulation left vary by a tenth, those of control points cut from them by a third: if it is below 1, locks that lie
+    /// on the body are taken to hold all their weight, and coil when anything shakes them; above 3, locks that hover are
+    /// taken to lie on it.
+    const SPREADS: f64 = 2.0;
+
+    /// The least that it may be off, as a share of the radius: a body sinks in, and its shapes stand for one.
+    const LEAST_SPREAD: f64 = 0.1;
 
     /// Judged by a lock's width alone.
     pub fn by_width(lock: &Lock) -> Self {
@@ -45,13 +50,15 @@ impl Touch {
     /// Judged by how near the locks of a hairstyle come to the body at rest: those that lie on it show how thick hair
     /// is to a surface, whatever it is to the wind. `None` where no lock comes near, or where they lie inside.
     ///
-    /// The radius is the gap that a twentieth of the locks that come near fall short of. `gaps_m` has each lock's least
-    /// gap, where it is within the lock's width.
+    /// The radius is the median gap of the locks that come near, and what lies on the body spreads about it on the far side as
+    /// on the near one, where none hovers: the gap that a twentieth of the locks fall short of tells how far. `gaps_m` has
+    /// each lock's least gap, where it is within the lock's width.
     fn by_rest(gaps_m: &[Option<f64>]) -> Option<Self> {
         let mut nearest: Vec<f64> = gaps_m.iter().copied().flatten().collect();
         nearest.sort_unstable_by(f64::total_cmp);
-        let radius_m = *nearest.get(nearest.len() / 20)?;
-        (radius_m > 0.0).then_some(Self { within_m: Self::REACH * radius_m, radius_m })
+        let (low_m, radius_m) = (*nearest.get(nearest.len() / 20)?, *nearest.get(nearest.len() / 2)?);
+        let spread_m = f64::max(Self::SPREADS * (radius_m - low_m), Self::LEAST_SPREAD * radius_m);
+        (low_m > 0.0).then_some(Self { within_m: radius_m + spread_m, radius_m })
     }
 }
 
@@ -130,5 +137,33 @@ impl Likely {
             friction: 0.0,
             natural: Natural::Straight(0.0),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn touch(gaps_mm: &[f64]) -> Option<Touch> {
+        Touch::by_rest(&gaps_mm.iter().map(|mm| Some(mm * 1e-3)).collect::<Vec<_>>())
+    }
+
+    /// Where hair lies on the body at one distance, what hovers a little farther out does not; where gaps vary, as those of
+    /// control points that cut corners do, locks on the far side lie on it as well.
+    #[test]
+    fn what_touches_is_told_by_how_gaps_spread() {
+        let tight = touch(&[2.3, 2.38, 2.4, 2.41, 2.42, 2.44, 2.45, 2.46, 3.4]).unwrap();
+        assert!((tight.radius_m - 2.42e-3).abs() < 1e-9, "{tight:?}");
+        assert!((2.46e-3..3.0e-3).contains(&tight.within_m), "{tight:?}");
+        let wide = touch(&[1.2, 1.6, 1.8, 1.9, 2.0, 2.1, 2.3, 2.6, 2.9]).unwrap();
+        assert!((2.9e-3..4.0e-3).contains(&wide.within_m), "{wide:?}");
+        assert_eq!(touch(&[2.0, 2.0, 2.0]).map(|touch| touch.within_m > 2.1e-3), Some(true));
+    }
+
+    /// Curves that run into the body do not tell how thick hair is.
+    #[test]
+    fn curves_inside_the_body_tell_nothing() {
+        assert_eq!(touch(&[-1.0, 0.5, 2.0, 2.4]), None);
+        assert_eq!(touch(&[]), None);
     }
 }
