@@ -10,7 +10,7 @@ pub use simulate::{BodyArgs, ShapeArg, SimulateArgs};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
-use values::{parse_above_zero, parse_axis, parse_edit_method, parse_unit, parse_up_axis};
+use values::{parse_above_zero, parse_axis, parse_edit_method, parse_unit};
 
 /// Hair in the wind, measured once, worn by any hairstyle.
 #[derive(Debug, Parser)]
@@ -309,9 +309,9 @@ pub struct InspectArgs {
     /// The unit of a groom's positions, where its file names none.
     #[arg(long, value_parser = parse_unit, value_name = "mm|cm|m|in")]
     pub groom_unit: Option<tousle_core::LengthUnit>,
-    /// The up axis of a groom, where its file names none.
-    #[arg(long, value_parser = parse_up_axis, value_name = "X|Y|Z")]
-    pub groom_up: Option<tousle_core::UpAxis>,
+    /// The up axis of a groom, where its file names none: x, y or z, with a minus sign where that axis points down.
+    #[arg(long, value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
+    pub groom_up: Option<tousle_core::Axis>,
 }
 
 /// What a groom file may fail to say.
@@ -320,12 +320,12 @@ pub struct GroomArgs {
     /// The unit of the groom's positions, where its file names none.
     #[arg(long, value_parser = parse_unit, value_name = "mm|cm|m|in")]
     pub groom_unit: Option<tousle_core::LengthUnit>,
-    /// The groom's up axis, where its file names none.
-    #[arg(long, value_parser = parse_up_axis, value_name = "X|Y|Z")]
-    pub groom_up: Option<tousle_core::UpAxis>,
+    /// The groom's up axis, where its file names none: x, y or z, with a minus sign where that axis points down.
+    #[arg(long, value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
+    pub groom_up: Option<tousle_core::Axis>,
     /// The groom's axis along which the nose points [default: x where z is up, z where y is up].
     #[arg(long, value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
-    pub groom_forward: Option<tousle_groom::Axis>,
+    pub groom_forward: Option<tousle_core::Axis>,
     /// Scale and shift the groom so that its roots lie on the field's head.
     #[arg(long)]
     pub fit_to_head: bool,

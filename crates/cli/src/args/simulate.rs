@@ -3,7 +3,7 @@
 use super::GroomArgs;
 use super::values::{
     parse_axis, parse_head_axes, parse_integrator, parse_sim_method, parse_time, parse_torso_grip,
-    parse_unit, parse_up_axis,
+    parse_unit,
 };
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -21,12 +21,12 @@ pub struct BodyArgs {
     /// The unit of the meshes' positions; no OBJ file states it.
     #[arg(long, value_parser = parse_unit, value_name = "mm|cm|m|in")]
     pub mesh_unit: Option<tousle_core::LengthUnit>,
-    /// The meshes' up axis.
-    #[arg(long, value_parser = parse_up_axis, value_name = "X|Y|Z")]
-    pub mesh_up: Option<tousle_core::UpAxis>,
+    /// The meshes' up axis: x, y or z, with a minus sign where that axis points down.
+    #[arg(long, value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
+    pub mesh_up: Option<tousle_core::Axis>,
     /// The meshes' axis along which the nose points [default: x where z is up, z where y is up].
     #[arg(long, value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
-    pub mesh_forward: Option<tousle_groom::Axis>,
+    pub mesh_forward: Option<tousle_core::Axis>,
 }
 
 /// `tousle simulate`
