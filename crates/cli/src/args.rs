@@ -348,9 +348,9 @@ pub struct EditArgs {
     /// Which equations turn a drag into layers [default: physical for fields of wind, paper for fields of forces].
     #[arg(long, value_parser = parse_edit_method, value_name = "physical|paper")]
     pub method: Option<tousle_direct::EditMethod>,
-    /// Method physical: a key is met if its point is no farther from it than this, mm.
-    #[arg(long, value_parser = parse_above_zero, default_value = "1", value_name = "MM")]
-    pub tolerance_mm: f64,
+    /// With method physical, a key is met if its point is no farther from it than this, mm [default: 1].
+    #[arg(long, value_parser = parse_above_zero, value_name = "MM")]
+    pub tolerance_mm: Option<f64>,
     /// Print the report as JSON.
     #[arg(long)]
     pub json: bool,
@@ -396,7 +396,7 @@ pub struct ImportArgs {
     /// How the field is packed.
     #[command(flatten)]
     pub pack: PackArgs,
-    /// Edge of the grid about the head, mm, where the file gives neither `origin` nor `edge`.
+    /// Edge of the grid about the head, mm, where a .npz gives neither `origin` nor `edge` [default: 600].
     #[arg(long, value_name = "MM")]
     pub extent_mm: Option<f64>,
     /// The grid of a .vdb that is the wind [default: wind, velocity, vel or v, or the only vectors].
