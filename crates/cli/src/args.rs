@@ -10,7 +10,7 @@ pub use simulate::{BodyArgs, ShapeArg, SimulateArgs};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
-use values::{parse_above_zero, parse_axis, parse_edit_method, parse_unit, parse_up_axis};
+use values::{parse_above_zero, parse_axis, parse_edit_method, parse_unit};
 
 /// Hair in the wind, measured once, worn by any hairstyle.
 #[derive(Debug, Parser)]
@@ -309,9 +309,9 @@ pub struct InspectArgs {
     /// The unit of a groom's positions, where its file names none.
     #[arg(long, value_parser = parse_unit, value_name = "mm|cm|m|in")]
     pub groom_unit: Option<tousle_core::LengthUnit>,
-    /// The up axis of a groom, where its file names none.
-    #[arg(long, value_parser = parse_up_axis, value_name = "X|Y|Z")]
-    pub groom_up: Option<tousle_core::UpAxis>,
+    /// The up axis of a groom, where its file names none: x, y or z, with a minus sign where that axis points down.
+    #[arg(long, value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
+    pub groom_up: Option<tousle_core::Axis>,
 }
 
 /// What a groom file may fail to say.
@@ -320,12 +320,12 @@ pub struct GroomArgs {
     /// The unit of the groom's positions, where its file names none.
     #[arg(long, value_parser = parse_unit, value_name = "mm|cm|m|in")]
     pub groom_unit: Option<tousle_core::LengthUnit>,
-    /// The groom's up axis, where its file names none.
-    #[arg(long, value_parser = parse_up_axis, value_name = "X|Y|Z")]
-    pub groom_up: Option<tousle_core::UpAxis>,
+    /// The groom's up axis, where its file names none: x, y or z, with a minus sign where that axis points down.
+    #[arg(long, value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
+    pub groom_up: Option<tousle_core::Axis>,
     /// The groom's axis along which the nose points [default: x where z is up, z where y is up].
     #[arg(long, value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
-    pub groom_forward: Option<tousle_groom::Axis>,
+    pub groom_forward: Option<tousle_core::Axis>,
     /// Scale and shift the groom so that its roots lie on the field's head.
     #[arg(long)]
     pub fit_to_head: bool,
@@ -348,9 +348,9 @@ pub struct EditArgs {
     /// Which equations turn a drag into layers [default: physical for fields of wind, paper for fields of forces].
     #[arg(long, value_parser = parse_edit_method, value_name = "physical|paper")]
     pub method: Option<tousle_direct::EditMethod>,
-    /// Method physical: a key is met if its point is no farther from it than this, mm.
-    #[arg(long, value_parser = parse_above_zero, default_value = "1", value_name = "MM")]
-    pub tolerance_mm: f64,
+    /// With method physical, a key is met if its point is no farther from it than this, mm [default: 1].
+    #[arg(long, value_parser = parse_above_zero, value_name = "MM")]
+    pub tolerance_mm: Option<f64>,
     /// Print the report as JSON.
     #[arg(long)]
     pub json: bool,
@@ -396,7 +396,7 @@ pub struct ImportArgs {
     /// How the field is packed.
     #[command(flatten)]
     pub pack: PackArgs,
-    /// Edge of the grid about the head, mm, where the file gives neither `origin` nor `edge`.
+    /// Edge of the grid about the head, mm, where a .npz gives neither `origin` nor `edge` [default: 600].
     #[arg(long, value_name = "MM")]
     pub extent_mm: Option<f64>,
     /// The grid of a .vdb that is the wind [default: wind, velocity, vel or v, or the only vectors].

@@ -9,6 +9,7 @@ pub mod import;
 pub mod inspect;
 pub mod merge;
 pub mod migrate;
+mod output;
 pub mod quality;
 pub mod recover;
 pub mod simulate;
@@ -16,7 +17,8 @@ pub mod studio;
 pub mod validate;
 
 use crate::args::{EncodingArg, GroomArgs, PackArgs, ReadArgs};
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, anyhow};
+use output::{check_output, check_outputs, ending};
 use serde::Serialize;
 use std::path::Path;
 use tousle_core::Groom;
@@ -31,40 +33,12 @@ fn name(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// A path's ending, lower case, without the dot.
-fn ending(path: &Path) -> String {
-    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
-}
-
-/// Refuses an output whose ending is none of these, before any work is done.
-fn check_ending(path: &Path, endings: &[&str]) -> anyhow::Result<()> {
-    if endings.contains(&ending(path).as_str()) {
-        return Ok(());
-    }
-    let list = endings.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(" or ");
-    wrong!("output {}: found the ending {:?}, expected {list}", path.display(), ending(path))
-}
-
-/// Refuses to write over what is read.
-fn check_apart(output: &Path, inputs: &[&Path]) -> anyhow::Result<()> {
-    let file = |path: &Path| path.canonicalize().ok();
-    if let Some(place) = file(output)
-        && inputs.iter().any(|input| file(input).as_ref() == Some(&place))
-    {
-        wrong!("output {}: found a file that is read, expected another one", output.display());
+/// Refuses an option that was given and does nothing, as it needs another one beside it. `why`: what it is for.
+fn only_with(needs: &str, why: &str, options: &[(&str, bool)]) -> anyhow::Result<()> {
+    if let Some((option, _)) = options.iter().find(|(_, is_given)| *is_given) {
+        wrong!("{option}: found without {needs}, expected with it: {why}");
     }
     Ok(())
-}
-
-/// Refuses an output in a folder that is not there, before any work is done.
-fn check_folder(output: &Path) -> anyhow::Result<()> {
-    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
-    match folder {
-        Some(folder) if !folder.is_dir() => {
-            bail!("output {}: found no folder {}, expected one", output.display(), folder.display())
-        }
-        _ => Ok(()),
-    }
 }
 
 /// Reads a sound field file.
@@ -92,6 +66,11 @@ fn read_groom(path: &Path, args: &GroomArgs, scene: &Scene, grid: &GridSpec) -> 
     options.up_axis = args.groom_up;
     options.forward = args.groom_forward;
     if args.fit_to_head {
+        if args.groom_unit.is_some() {
+            eprintln!(
+                "warning: --groom-unit does nothing beside --fit-to-head, which finds the scale whatever the unit"
+            );
+        }
         let head = HeadShape::of_body(&scene.body);
         options.placement = Placement::FitToHead(
             head.context("the field's body has no ellipsoid for a head to fit the groom to")?,

@@ -57,6 +57,15 @@ fn a_cut_c3d_that_the_user_wants_all_the_same_ends_with_loss() {
     let run = room.run("convert cut.c3d --session session.json -o out.eff.mcap --allow-cut");
     run.ended(3).says(&["loss", "of 480 frames are there"]);
     room.run("validate out.eff.mcap").ended(0);
+    // So does what `inspect` tells of its quality; without a session the file is told as it is, which is all there.
+    room.run("inspect cut.c3d --session session.json").ended(1).says(&["cut off"]);
+    let run = room.run("inspect cut.c3d --session session.json --allow-cut --json").ended(3);
+    let told: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    assert!(told["quality"]["capture"]["n_frames"].as_u64() < Some(480), "{}", run.out);
+    run.says(&["loss: the capture is cut off", "of 480 frames are there"]);
+    let run = room.run("inspect cut.c3d").ended(0);
+    assert!(run.out.contains("warning"), "{}", run.out);
+    room.run("inspect gusts.c3d --session session.json --allow-cut").ended(0);
 }
 
 #[test]
@@ -143,7 +152,11 @@ fn a_groom_with_a_nan() {
     let groom = String::from_utf8(room.read("bob.json")).unwrap().replacen("0.02266", "NaN", 1);
     room.write("nan.json", groom);
     let before = room.files();
-    room.run("simulate f.eff.mcap --groom nan.json -o m.npz").ended(1).says(&["nan.json", "line"]);
+    room.run("simulate f.eff.mcap --groom nan.json -o m.npz").ended(1).says(&[
+        "nan.json",
+        "line",
+        "strands[0].rest_curve_m (strand B01): found NaN",
+    ]);
     assert_eq!(room.files(), before);
 }
 
@@ -156,6 +169,27 @@ fn a_disk_that_is_full() {
     let line =
         "ulimit -f 4096; $TOUSLE convert gusts.c3d --method paper --session session.json -o f.eff.mcap";
     room.shell(line).ended(1).says(&["f.eff.mcap", "nothing was written", "File too large"]);
+    assert_eq!(room.files(), before);
+}
+
+/// A line for what could not be written and one for why.
+#[test]
+#[cfg(unix)]
+fn a_full_disk_is_told_of_in_two_lines() {
+    let room = Room::with_field();
+    let before = room.files();
+    let simulate = "$TOUSLE simulate f.eff.mcap --groom bob.json";
+    for (line, file) in [
+        (format!("{simulate} -o m.npz"), "m.npz"),
+        (format!("{simulate} -o m.usda"), "m.usda"),
+        ("$TOUSLE export f.eff.mcap -o f.npz".to_owned(), "f.npz"),
+        ("$TOUSLE export f.eff.mcap -o f.vdb".to_owned(), "f.0000.vdb"),
+    ] {
+        let run = room.shell(&format!("ulimit -f 8; {line}")).ended(1);
+        let [what, why] = run.err.lines().collect::<Vec<_>>()[..] else { panic!("{}", run.err) };
+        assert_eq!(what, format!("error: cannot write {file} (nothing was written)"));
+        assert!(why.starts_with("  because File too large"), "{why}");
+    }
     assert_eq!(room.files(), before);
 }
 
@@ -184,6 +218,7 @@ fn wrong_words_are_exit_code_2() {
         "convert gusts.c3d --session session.json -o f.eff.mcap --rate-hz 1e18",
         "convert gusts.c3d --session session.json -o f.eff.mcap --encoding fixed --max-error 0",
         "convert gusts.c3d --session gusts.c3d -o gusts.c3d",
+        "convert gusts.c3d --session session.json -o f.eff.mcap --report session.json",
     ] {
         room.run(words).ended(2);
     }
@@ -196,8 +231,89 @@ fn wrong_words_are_exit_code_2() {
     ] {
         room.run(&format!("simulate f.eff.mcap --groom bob.json -o m.npz {words}")).ended(2);
     }
-    room.run("recover f.eff.mcap -o f.eff.mcap").ended(2).says(&["expected another one"]);
-    room.run("simulate f.eff.mcap --groom bob.json -o nowhere/m.npz").ended(1).says(&["no folder nowhere"]);
+    for words in ["recover", "migrate", "edit --groom bob.json --edits lift.toml", "merge f.eff.mcap"] {
+        room.run(&format!("{words} f.eff.mcap -o f.eff.mcap")).ended(2).says(&["expected another one"]);
+    }
+}
+
+/// Every command that writes says so before it reads anything: here nothing that it should read is there.
+#[test]
+fn a_folder_that_is_not_there_is_told_of_before_any_work() {
+    let room = Room::new();
+    let before = room.files();
+    for words in [
+        "convert c --session s -o nowhere/f.mcap",
+        "convert c --session s -o f.mcap --report nowhere/q.html",
+        "inspect c --session s --report nowhere/q.json",
+        "simulate f --groom g -o m.npz -o nowhere/m.usda",
+        "edit f --groom g --edits e -o nowhere/f.mcap",
+        "export f -o nowhere/f.vdb",
+        "import w.npz --session s -o nowhere/f.mcap",
+        "merge f g -o nowhere/f.mcap",
+        "recover f -o nowhere/f.mcap",
+        "migrate f -o nowhere/f.mcap",
+    ] {
+        room.run(words).ended(1).says(&["found no folder nowhere, expected one"]);
+    }
+    // Those that make their folder make it first.
+    room.write("file", "");
+    for words in ["demo -o file/d", "bench file f -o file/d", "bench paper --captures c -o file/d"] {
+        room.run(words).ended(1).says(&["cannot make the folder file/d"]);
+    }
+    room.remove("file");
+    assert_eq!(room.files(), before);
+}
+
+/// An option that does nothing is told what it needs, and nothing is done.
+#[test]
+fn options_that_do_nothing_say_what_they_need() {
+    let room = Room::with_field();
+    room.write("w.obj", "");
+    let before = room.files();
+    let simulate = "simulate f.eff.mcap --groom bob.json -o m.npz";
+    let convert = "convert gusts.c3d --session session.json -o g.eff.mcap";
+    let edit = "edit f.eff.mcap --groom bob.json --edits lift.toml -o g.eff.mcap";
+    for (words, needs) in [
+        (format!("{simulate} --tolerance-mm 0.1"), "--integrator adaptive"),
+        (
+            format!("{simulate} --method physical --integrator implicit --tolerance-mm 1"),
+            "--integrator adaptive",
+        ),
+        (format!("{simulate} --shape curves"), "a .usda output"),
+        (format!("{simulate} --with-body"), "a .usda output"),
+        (format!("{simulate} --mesh-up Z"), "--head-mesh"),
+        (format!("{simulate} --mesh-unit mm"), "--torso-mesh"),
+        (format!("{simulate} --mesh-forward x"), "--head-mesh"),
+        (format!("{simulate} --head-axes Y,Z"), "--head"),
+        (format!("{simulate} --head p.npz --head-axes Y,Z"), "a --head in .usda"),
+        (format!("{simulate} --head p.npz --head-start 1001"), "a --head in .usda"),
+        (format!("{simulate} --guides-check 3"), "--guides"),
+        (format!("{simulate} --method physical --integrator adaptive --single"), "--integrator implicit"),
+        (format!("{simulate} --method physical --integrator rk4 --single"), "--integrator implicit"),
+        (format!("{convert} --span-ms 100"), "--method paper"),
+        (format!("{convert} --method paper --refine"), "--method physical"),
+        (format!("{convert} --method paper --reading first-frame --span-ms 100"), "another --reading"),
+        (format!("{convert} --max-error 0.1"), "expected fixed"),
+        (format!("{edit} --tolerance-mm 2"), "--method physical"),
+        ("inspect gusts.c3d --allow-cut".to_owned(), "--session"),
+        ("inspect gusts.c3d --groom-up Z".to_owned(), "a groom"),
+        ("inspect f.eff.mcap --groom-unit mm".to_owned(), "a groom"),
+        ("inspect f.eff.mcap --session session.json".to_owned(), "a capture"),
+        ("import w.vdb --session session.json -o g.eff.mcap --extent-mm 500".to_owned(), "a .npz file"),
+        ("import w.npz --session session.json -o g.eff.mcap --grid vel".to_owned(), ".vdb files"),
+        ("import w.npz --session session.json -o g.eff.mcap --rate-hz 30".to_owned(), ".vdb files"),
+        ("merge f.eff.mcap f.eff.mcap -o g.eff.mcap --max-error 1".to_owned(), "--encoding"),
+        ("bench sim --part order --captures .".to_owned(), "--part truth"),
+        ("bench sim --part order --torso-grip torso".to_owned(), "--captures"),
+        ("bench sim --part truth".to_owned(), "--captures"),
+    ] {
+        let run = room.run(&words);
+        assert_eq!(run.code, Some(2), "{words}: {}{}", run.out, run.err);
+        run.says(&[needs]);
+    }
+    assert_eq!(room.files(), before);
+    // The paper's joints have single precision, and a field of theirs asks for them.
+    room.run(&format!("{simulate} --duration-secs 0.1 --single")).ended(0);
 }
 
 /// A reader that has heard enough is no failure; a disk that takes no words is.

@@ -113,7 +113,7 @@ fn a_run_that_was_killed_goes_on_to_the_same_bytes() {
     child.wait().unwrap();
     assert!(n_parts() >= 2 && !room.path("out.npz").exists(), "killed in time");
 
-    let other = room.run(&format!("{resumed} --tolerance-mm 1")).ended(1);
+    let other = room.run(&format!("{resumed} --rate-hz 30")).ended(1);
     other.says(&["parts of another run in", "(other options)", "remove that folder or name another output"]);
     std::fs::write(folder.join("simulate-000001.part"), "x").unwrap();
     room.run(&resumed).ended(1).says(&["simulate-000001.part", "expected a part; remove it"]);
@@ -185,4 +185,64 @@ fn a_shots_body_comes_as_a_mesh() {
         run.says(&[says]);
         assert!(!room.path("x.npz").exists(), "{arguments}");
     }
+}
+
+/// Whoever picks an integrator that does not stand long steps learns what that costs before the run.
+#[test]
+fn a_run_of_very_many_steps_is_warned_of() {
+    let room = Room::with_field();
+    let simulate = "simulate f.eff.mcap --groom bob.json --method physical --duration-secs 0.05 -o m.npz";
+    let run = room.run(&format!("{simulate} --integrator semi-implicit --json")).ended(0).says(&[
+        "warning: semi-implicit takes ",
+        "steps a second",
+        "in all, as it stands none longer than",
+        "set by strand B",
+        "--integrator implicit stands every step",
+    ]);
+    let report: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let dt_secs = report["dt_secs"].as_f64().unwrap();
+    let n_steps = report["n_steps"].as_u64().unwrap() / 60;
+    for told in [format!("{:.0} steps a second", 1.0 / dt_secs), format!("{n_steps} in all")] {
+        assert!(run.err.contains(&told), "{told}: {}", run.err);
+    }
+    // Who names the step knows; who has no limit, or one that is near, need not.
+    let shorter = format!("{simulate} --integrator semi-implicit --dt-secs {}", dt_secs / 2.0);
+    assert_eq!(room.run(&shorter).ended(0).err, "");
+    assert_eq!(room.run(simulate).ended(0).err, "");
+    let paper = "simulate f.eff.mcap --groom bob.json --method paper --duration-secs 0.05 -o m.npz";
+    assert_eq!(room.run(&format!("{paper} --integrator semi-implicit")).ended(0).err, "");
+}
+
+/// Up may be an axis that points down; a minus sign makes no option of it.
+#[test]
+fn an_axis_may_point_down() {
+    let room = Room::with_field();
+    // A groom in the file's axes: y points down, the nose along x, so z points to the left.
+    let curves = |flip: bool| {
+        let point = |[x, y, z]: [f64; 3]| {
+            if flip { format!("({x}, {}, {y})", -z) } else { format!("({x}, {y}, {z})") }
+        };
+        let points: Vec<String> = (0..5).map(|k| point([0.0, 0.1, 0.05 - 0.03 * f64::from(k)])).collect();
+        format!(
+            "#usda 1.0\n(upAxis = \"Z\" metersPerUnit = 1)\ndef BasisCurves \"hair\" {{\nuniform token type = \"linear\"\n\
+             int[] curveVertexCounts = [5]\npoint3f[] points = [{}]\n}}\n",
+            points.join(", ")
+        )
+    };
+    room.write("down.usda", curves(true));
+    room.write("up.usda", curves(false));
+    let simulate = "simulate f.eff.mcap --duration-secs 0.1";
+    room.run(&format!("{simulate} --groom up.usda -o up.npz")).ended(0);
+    for (k, up) in ["--groom-up -y", "--groom-up=-y", "--groom-up -Y"].iter().enumerate() {
+        let run = format!("{simulate} --groom down.usda {up} --groom-forward x -o {k}.npz");
+        room.run(&run).ended(0).says(&["the file's up axis is z; the given -y holds"]);
+        assert!(room.read(&format!("{k}.npz")) == room.read("up.npz"), "{up}");
+    }
+    room.run("inspect down.usda --groom-up -y").ended(0);
+    room.run(&format!("{simulate} --groom up.usda --groom-up -w -o w.npz"))
+        .ended(2)
+        .says(&["x, y, z, -x, -y or -z"]);
+    room.write("head.obj", ellipsoid_obj([95.0, 75.0, 100.0]));
+    let mesh = "--head-mesh head.obj --mesh-unit mm --mesh-up -z";
+    room.run(&format!("{simulate} --groom up.usda {mesh} -o mesh.npz")).ended(0);
 }

@@ -24,7 +24,7 @@ mod span;
 mod track;
 mod unit;
 
-pub use axes::HeadAxes;
+pub use axes::{Axis, HeadAxes};
 pub use body::{Attachment, Body, Collider, Shape};
 pub use capture::{Capture, Trajectory};
 pub use groom::{Along, Assumption, Groom, GroomError, Strand};

@@ -5,8 +5,8 @@ use tousle_field::FieldError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
-    /// The sink takes no more bytes.
-    #[error("cannot write")]
+    /// The sink takes no more bytes. Which one, whoever chose it says.
+    #[error(transparent)]
     Io(#[from] std::io::Error),
     /// The motion's arrays do not fit together, or hold a number that is not finite.
     #[error("the motion: found {found}, expected {expected}")]

@@ -2,14 +2,14 @@
 
 use std::io::Error;
 
-use tousle_core::{LengthUnit, UpAxis};
+use tousle_core::{Axis, LengthUnit};
 use tousle_groom::{GroomOptions, inspect_groom};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let (file, unit, up) = match words.as_slice() {
         [file] => (file, None, None),
-        [file, unit, up] => (file, LengthUnit::from_name(unit), UpAxis::from_name(up)),
+        [file, unit, up] => (file, LengthUnit::from_name(unit), Axis::from_name(up)),
         _ => return Err(Error::other("expected FILE, or FILE UNIT UP").into()),
     };
     let mut options = GroomOptions::default();

@@ -44,6 +44,6 @@ mod summary;
 
 pub use error::GroomReadError;
 pub use format::GroomFormat;
-pub use options::{Axis, GroomOptions, HeadShape, Placement};
+pub use options::{GroomOptions, HeadShape, Placement};
 pub use read::{ReadGroom, read_groom};
 pub use summary::{GroomSummary, inspect_groom};

@@ -1,4 +1,4 @@
-use tousle_core::{Attachment, Body, LengthUnit, Shape, UpAxis, Vec3};
+use tousle_core::{Attachment, Axis, Body, LengthUnit, Shape, Vec3};
 
 /// What a groom file may not say, and where its hair goes.
 ///
@@ -11,29 +11,12 @@ pub struct GroomOptions {
     /// head; overrules the file, with a warning, where it states another.
     pub unit: Option<LengthUnit>,
     /// The file's up axis. Needed where the file states none; overrules the file, with a warning.
-    pub up_axis: Option<UpAxis>,
+    pub up_axis: Option<Axis>,
     /// The file's axis along which the nose points. No file states it. Without it x is forward where z is up (as
     /// in head space), z where y is up (as in most character tools), y where x is up; and the groom says so.
     pub forward: Option<Axis>,
     /// Where the hair goes.
     pub placement: Placement,
-}
-
-/// An axis with a direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
-    /// +x.
-    PlusX,
-    /// −x.
-    MinusX,
-    /// +y.
-    PlusY,
-    /// −y.
-    MinusY,
-    /// +z.
-    PlusZ,
-    /// −z.
-    MinusZ,
 }
 
 /// Where a groom's hair goes, once its axes are the head's and its unit is the meter.
@@ -67,55 +50,5 @@ impl HeadShape {
             Shape::Capsule { .. } | Shape::Mesh(_) => None,
         });
         ellipsoids.next()
-    }
-}
-
-impl std::fmt::Display for Axis {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::PlusX => "x",
-            Self::MinusX => "-x",
-            Self::PlusY => "y",
-            Self::MinusY => "-y",
-            Self::PlusZ => "z",
-            Self::MinusZ => "-z",
-        })
-    }
-}
-
-impl Axis {
-    /// The unit vector along the axis.
-    pub fn vector(self) -> Vec3 {
-        match self {
-            Self::PlusX => Vec3::x(),
-            Self::MinusX => -Vec3::x(),
-            Self::PlusY => Vec3::y(),
-            Self::MinusY => -Vec3::y(),
-            Self::PlusZ => Vec3::z(),
-            Self::MinusZ => -Vec3::z(),
-        }
-    }
-
-    /// Reads `x`, `+x`, `-x` and so on, in either case; `None` for anything else.
-    pub fn from_name(name: &str) -> Option<Self> {
-        match name.trim().to_ascii_lowercase().as_str() {
-            "x" | "+x" => Some(Self::PlusX),
-            "-x" => Some(Self::MinusX),
-            "y" | "+y" => Some(Self::PlusY),
-            "-y" => Some(Self::MinusY),
-            "z" | "+z" => Some(Self::PlusZ),
-            "-z" => Some(Self::MinusZ),
-            _ => None,
-        }
-    }
-
-    /// The axis that is forward where `up` is up and nobody says otherwise: the axes follow one another as in
-    /// head space, x forward, y left, z up.
-    pub(crate) fn forward_of(up: UpAxis) -> Self {
-        match up {
-            UpAxis::X => Self::PlusY,
-            UpAxis::Y => Self::PlusZ,
-            UpAxis::Z => Self::PlusX,
-        }
     }
 }

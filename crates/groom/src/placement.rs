@@ -1,11 +1,11 @@
 //! From the file's axes and unit to head space and meters.
 
 use nalgebra::{Matrix3, Matrix4, Vector4};
-use tousle_core::{Assumption, LengthUnit, Vec3};
+use tousle_core::{Assumption, Axis, HeadAxes, LengthUnit, Vec3};
 
 use crate::error::GroomReadError;
 use crate::format::GroomFormat;
-use crate::options::{Axis, GroomOptions, HeadShape, Placement};
+use crate::options::{GroomOptions, HeadShape, Placement};
 use crate::raw::RawGroom;
 
 /// Strands in head space, and what was assumed to get there. Points, lengths and drawn widths are meters.
@@ -82,27 +82,28 @@ fn axes(
     assumed: &mut Vec<Assumption>,
     warnings: &mut Vec<String>,
 ) -> Result<Matrix3<f64>, GroomReadError> {
-    let Some(up) = options.up_axis.or(raw.up_axis) else {
-        let pass = "the file's up axis (X, Y or Z)";
+    let stated = raw.up_axis.map(Axis::from);
+    let Some(up) = options.up_axis.or(stated) else {
+        let pass = "the file's up axis (x, y, z, -x, -y or -z)";
         return Err(GroomReadError::NotStated { format, what: "up axis", pass });
     };
-    if let Some(stated) = raw.up_axis.filter(|stated| *stated != up) {
-        warnings.push(format!("the file's up axis is {stated:?}; the given {up:?} holds"));
+    if let Some(stated) = stated.filter(|stated| *stated != up) {
+        warnings.push(format!("the file's up axis is {stated}; the given {up} holds"));
     }
-    let forward = options.forward.unwrap_or(Axis::forward_of(up));
-    if options.forward.is_none() && !raw.is_head_space {
-        assumed.push(Assumption {
+    let mut axes = HeadAxes::usual(up);
+    match options.forward {
+        Some(forward) => axes.forward = forward,
+        None if raw.is_head_space => {}
+        None => assumed.push(Assumption {
             what: "forward axis".to_owned(),
-            value: forward.to_string(),
-            why: format!("no groom file states it; this is the usual one where {up:?} is up"),
-        });
+            value: axes.forward.to_string(),
+            why: format!("no groom file states it; this is the usual one where {up} is up"),
+        }),
     }
-    let (up, forward) = (up.vector(), forward.vector());
-    if up.dot(&forward) != 0.0 {
+    axes.head_from_file().ok_or_else(|| {
         let found = "one axis both up and forward".to_owned();
-        return Err(GroomReadError::Placement { found, expected: "two different ones" });
-    }
-    Ok(Matrix3::from_rows(&[forward.transpose(), up.cross(&forward).transpose(), up.transpose()]))
+        GroomReadError::Placement { found, expected: "two different ones" }
+    })
 }
 
 /// One scale and one shift, and how far from the head the roots then are.
@@ -222,21 +223,22 @@ mod tests {
     }
 
     #[test]
-    fn axes_go_where_they_should() {
-        let mut options = GroomOptions { up_axis: Some(UpAxis::Y), ..GroomOptions::default() };
+    fn axes_are_assumed_or_given() {
+        let mut options = GroomOptions { up_axis: Some(Axis::PlusY), ..GroomOptions::default() };
         let mut assumed = Vec::new();
-        let raw = groom(&[]);
-        let turn = axes(&raw, GroomFormat::Hair, &options, &mut assumed, &mut Vec::new()).unwrap();
-        assert_eq!(turn * Vec3::y(), Vec3::z(), "up is up");
+        let raw = RawGroom { up_axis: Some(UpAxis::Y), ..groom(&[]) };
+        let mut warnings = Vec::new();
+        let turn = axes(&raw, GroomFormat::Hair, &options, &mut assumed, &mut warnings).unwrap();
         assert_eq!(turn * Vec3::z(), Vec3::x(), "the nose points along z");
-        assert_eq!(turn * Vec3::x(), Vec3::y(), "and x is left");
-        assert_eq!(assumed.len(), 1);
+        assert_eq!((assumed.len(), warnings.len()), (1, 0));
         options.forward = Some(Axis::MinusZ);
-        let turn = axes(&raw, GroomFormat::Hair, &options, &mut assumed, &mut Vec::new()).unwrap();
-        assert_eq!(turn * -Vec3::z(), Vec3::x());
-        assert_eq!(turn.determinant(), 1.0);
-        options.forward = Some(Axis::MinusY);
-        assert!(axes(&raw, GroomFormat::Hair, &options, &mut assumed, &mut Vec::new()).is_err());
+        options.up_axis = Some(Axis::MinusY);
+        let turn = axes(&raw, GroomFormat::Hair, &options, &mut assumed, &mut warnings).unwrap();
+        assert_eq!((turn * -Vec3::z(), turn * -Vec3::y()), (Vec3::x(), Vec3::z()));
+        assert_eq!((assumed.len(), warnings.len()), (1, 1), "{warnings:?}");
+        assert_eq!(warnings, ["the file's up axis is y; the given -y holds"]);
+        options.forward = Some(Axis::PlusY);
+        assert!(axes(&raw, GroomFormat::Hair, &options, &mut assumed, &mut warnings).is_err());
     }
 
     #[test]
@@ -247,7 +249,7 @@ mod tests {
         let error = axes(&raw, GroomFormat::Hair, &options, &mut Vec::new(), &mut warnings).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "a groom in .hair states no up axis: pass the file's up axis (X, Y or Z)"
+            "a groom in .hair states no up axis: pass the file's up axis (x, y, z, -x, -y or -z)"
         );
         let error = unit(&raw, GroomFormat::Hair, &options, &mut warnings).unwrap_err();
         assert!(error.to_string().starts_with("a groom in .hair states no unit: pass a unit (mm"), "{error}");

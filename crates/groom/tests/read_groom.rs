@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a helper of tests may panic as a test may")]
 
-use tousle_core::{LengthUnit, UpAxis, Vec3};
-use tousle_groom::{Axis, GroomFormat, GroomOptions, GroomReadError, inspect_groom, read_groom};
+use tousle_core::{Axis, LengthUnit, Vec3};
+use tousle_groom::{GroomFormat, GroomOptions, GroomReadError, inspect_groom, read_groom};
 
 const JSON: &str = r#"{"strands": [{"name": "a", "rest_curve_m": [[0, 0, 0.1], [0, 0.01, 0.09], [0, 0.02, 0.05]]},
     {"name": "b", "lock_width_m": 0.003, "rest_curve_m": [[0.1, 0, 0], [0.1, 0, -0.2]]}]}"#;
@@ -150,7 +150,7 @@ fn alembic() -> Vec<u8> {
     archive
 }
 
-fn told(unit: LengthUnit, up: UpAxis, forward: Axis) -> GroomOptions {
+fn told(unit: LengthUnit, up: Axis, forward: Axis) -> GroomOptions {
     let mut options = GroomOptions::default();
     options.unit = Some(unit);
     options.up_axis = Some(up);
@@ -162,7 +162,7 @@ fn told(unit: LengthUnit, up: UpAxis, forward: Axis) -> GroomOptions {
 fn binary_formats_are_told_apart_and_read_the_same() {
     for format in BINARY {
         let bytes = binary(format);
-        let read = read_groom(&bytes, &told(LengthUnit::Centimeter, UpAxis::Z, Axis::MinusY)).unwrap();
+        let read = read_groom(&bytes, &told(LengthUnit::Centimeter, Axis::PlusZ, Axis::MinusY)).unwrap();
         assert_eq!(read.format, format);
         assert_eq!(read.groom.counts(), [2, 3]);
         // Forward is −y, so the subject's left is +x: (3, 10, −3) cm becomes (−0.1, 0.03, −0.03) m.
@@ -195,7 +195,7 @@ fn usd_states_unit_and_up_axis() {
     assert!((tip - Vec3::new(0.04, 0.01, 0.02)).norm() < 1e-12, "{tip}");
     assert!((read.groom.strands[0].lock_width_m - 0.005).abs() < 1e-12);
     assert_eq!(read.groom.assumed[0].what, "forward axis");
-    let read = read_groom(USDA.as_bytes(), &told(LengthUnit::Meter, UpAxis::Y, Axis::PlusZ)).unwrap();
+    let read = read_groom(USDA.as_bytes(), &told(LengthUnit::Meter, Axis::PlusY, Axis::PlusZ)).unwrap();
     assert_eq!(read.warnings[0], "the file's unit is 0.01 m; the given 1 m holds");
 }
 
@@ -211,7 +211,7 @@ fn inspect_tells_what_it_can() {
     assert_eq!(json["bounds_in_file"], serde_json::json!([[1.0, 10.0, -5.0], [5.0, 10.0, -1.0]]));
     assert_eq!(
         json["warnings"][0],
-        "a groom in .hair states no up axis: pass the file's up axis (X, Y or Z)"
+        "a groom in .hair states no up axis: pass the file's up axis (x, y, z, -x, -y or -z)"
     );
     let summary = inspect_groom(JSON.as_bytes(), &GroomOptions::default()).unwrap();
     assert_eq!(summary.bounds_m, Some([[0.0, 0.0, -0.2], [0.1, 0.02, 0.1]]));
@@ -255,7 +255,7 @@ fn what_is_no_groom_says_so() {
         ),
         (&nan, ".data groom, strand 1, point 0: found [1.0, NaN, -1.0], expected finite numbers"),
     ] {
-        let error = read_groom(bytes, &told(LengthUnit::Meter, UpAxis::Z, Axis::PlusX)).unwrap_err();
+        let error = read_groom(bytes, &told(LengthUnit::Meter, Axis::PlusZ, Axis::PlusX)).unwrap_err();
         assert!(error.to_string().contains(says), "{says}\n{error}");
     }
     let error = read_groom(&binary(GroomFormat::Data), &GroomOptions::default()).unwrap_err();
@@ -274,7 +274,7 @@ fn any_bytes_have_an_answer() {
     };
     let odd =
         [0x00, 0x01, 0x7f, 0x80, 0xff, b'"', b'{', b'}', b'(', b'[', b'-', b'9', b'.', b'e', b'\n', b'#'];
-    let options = told(LengthUnit::Meter, UpAxis::Z, Axis::PlusX);
+    let options = told(LengthUnit::Meter, Axis::PlusZ, Axis::PlusX);
     let mut n_read = 0;
     for seed in &seeds {
         for _ in 0..3000 {

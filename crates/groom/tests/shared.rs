@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use tousle_core::{LengthUnit, UpAxis, Vec3};
+use tousle_core::{Axis, LengthUnit, Vec3};
 use tousle_groom::{
     GroomFormat, GroomOptions, GroomReadError, HeadShape, Placement, ReadGroom, inspect_groom, read_groom,
 };
@@ -24,7 +24,7 @@ fn hairstyle(shared: &Path, name: &str) -> Vec<u8> {
 fn told() -> GroomOptions {
     let mut options = GroomOptions::default();
     options.unit = Some(LengthUnit::Millimeter);
-    options.up_axis = Some(UpAxis::Z);
+    options.up_axis = Some(Axis::PlusZ);
     options
 }
 
@@ -93,12 +93,12 @@ fn real_hairstyles_fit_a_head() {
     let Some(shared) = shared() else { return };
     let head = HeadShape { center_m: Vec3::zeros(), half_axes_m: Vec3::new(0.095, 0.075, 0.1) };
     for (name, up, unit_m) in [
-        ("yuksel--straight.hair", Some(UpAxis::Z), None),
-        ("ct2hair--Bangs_100.hair", Some(UpAxis::Y), Some(1e-3)),
-        ("ct2hair--Bangs_100.data", Some(UpAxis::Y), Some(1e-3)),
-        ("ct2hair--Bangs_100.bin", Some(UpAxis::Y), Some(1e-3)),
-        ("ct2hair--Bangs_100.abc", Some(UpAxis::Y), Some(1e-3)),
-        ("ct2hair--Bangs_100.ply", Some(UpAxis::Y), Some(1e-3)),
+        ("yuksel--straight.hair", Some(Axis::PlusZ), None),
+        ("ct2hair--Bangs_100.hair", Some(Axis::PlusY), Some(1e-3)),
+        ("ct2hair--Bangs_100.data", Some(Axis::PlusY), Some(1e-3)),
+        ("ct2hair--Bangs_100.bin", Some(Axis::PlusY), Some(1e-3)),
+        ("ct2hair--Bangs_100.abc", Some(Axis::PlusY), Some(1e-3)),
+        ("ct2hair--Bangs_100.ply", Some(Axis::PlusY), Some(1e-3)),
         ("arnold-usd--0179-houdini-groom-bspline.usda", None, None),
         ("arnold-usd--0189-houdini-guides-linear.usda", None, None),
         ("arnold-usd--0213-deforming-linear.usda", None, None),

@@ -27,10 +27,9 @@ pub struct Mesh {
 /// [`MeshError`] if the bytes are no OBJ file, a position is not a finite number, there is no triangle, or the axes are
 /// not two different ones.
 pub fn read_mesh(bytes: &[u8], options: &MeshOptions) -> Result<Mesh, MeshError> {
-    let Some(file_from_head) = options.axes.file_from_head() else {
+    let Some(head_from_file) = options.axes.head_from_file() else {
         return Err(bad("the head's axes", "one axis both up and forward", "two different ones"));
     };
-    let head_from_file = file_from_head.inverse();
     let load = tobj::LoadOptions { triangulate: true, ..tobj::LoadOptions::default() };
     let mut lines = Lines { rest: bytes, n: 0 };
     // Materials change nothing for a body: a file that names some is read without them.

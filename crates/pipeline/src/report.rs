@@ -66,14 +66,19 @@ pub struct CaptureSummary {
     pub seen: f64,
 }
 
+impl QualityReport {
+    /// What the file says it has and does not, in words.
+    pub fn loss(&self) -> Option<String> {
+        let (claimed, found) = self.ingest.cut?;
+        Some(format!("the capture is cut off: {found} of {claimed} frames are there"))
+    }
+}
+
 impl ConversionReport {
     /// What was asked for and is not in the field.
     pub(crate) fn find_losses(&mut self) {
-        let mut losses = Vec::new();
-        let QualityReport { capture, ingest, head, .. } = &self.quality;
-        if let Some((claimed, found)) = ingest.cut {
-            losses.push(format!("the capture is cut off: {found} of {claimed} frames are there"));
-        }
+        let mut losses: Vec<String> = self.quality.loss().into_iter().collect();
+        let QualityReport { capture, head, .. } = &self.quality;
         let n = head.n_without_pose();
         if n > 0 {
             losses.push(format!("{n} of {} frames have no head pose and were left out", capture.n_frames));

@@ -35,11 +35,11 @@ pub use frames::max_stretch;
 pub use integrator::Integrator;
 pub use options::{Method, Precision, SimOptions, TimeMode, TorsoGrip};
 pub use parts::{Count, Keeper, Part};
-pub use report::{PlanEntry, SimReport, Simulation};
+pub use report::{PlanEntry, SimReport, Simulation, Steps};
 pub use resident::{Held, Simulator};
 pub use trace::Traced;
 
-use timeline::{Runs, Timeline};
+use timeline::Timeline;
 use tousle_core::{Groom, Progress};
 use tousle_field::{FieldSequence, Scene};
 use tousle_rod::Surface;
@@ -93,5 +93,5 @@ pub fn simulate_kept(
     keeper: Option<&dyn Keeper>,
     progress: &dyn Progress,
 ) -> Result<Simulation, SimError> {
-    Simulator::new(field, scene, groom, options)?.run(&field.layers, keeper, progress, Runs::Once)
+    Simulator::new(field, scene, groom, options)?.simulate_once(&field.layers, keeper, progress)
 }

@@ -41,7 +41,7 @@ pub enum Method {
     Physical,
 }
 
-/// How many digits the method `physical` computes with.
+/// How many digits are computed with, where the integrator leaves the choice ([`SimOptions::has_single`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
     /// Double: for every hairstyle.
@@ -98,6 +98,12 @@ impl SimOptions {
         let is_from_end = self.time == TimeMode::Loop && first < field_start_secs;
         let is_all = is_from_end || self.integrator().is_limited();
         (!is_all).then_some([field_start_secs, last])
+    }
+
+    /// Whether the run can be computed in single precision; if not, it is computed in double whatever is asked for.
+    pub fn has_single(&self) -> bool {
+        let is_implicit = matches!(self.integrator(), Integrator::Implicit | Integrator::ImplicitEuler);
+        self.method == Method::Paper || is_implicit
     }
 
     /// The integrator: the one asked for, or the method's default.

@@ -12,7 +12,7 @@ use crate::stability;
 use crate::timeline::{Runs, Timeline};
 use crate::touchable::{n_reaching, within_reach};
 use crate::trace::Whereabouts;
-use crate::{Integrator, Keeper, Precision, SimError, SimOptions, SimReport, Simulation};
+use crate::{Integrator, Keeper, Precision, SimError, SimOptions, SimReport, Simulation, Steps};
 use core::any::Any;
 use core::fmt::Debug;
 use core::marker::PhantomData;
@@ -34,6 +34,9 @@ pub(crate) trait Resident: Debug + Send + Sync {
         progress: &dyn Progress,
         runs: Runs,
     ) -> Result<Simulation, SimError>;
+
+    /// How a run is cut into steps.
+    fn steps(&self, layers: &[FieldLayer]) -> Result<Steps, SimError>;
 
     /// Some strands, in ascending order, from the first frame to the last.
     fn run_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<Vec<[f32; 3]>, SimError>;
@@ -265,6 +268,17 @@ impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
         }
         let report = ready.report(&run, &motion, moved.count);
         Ok(Simulation { motion, report })
+    }
+
+    fn steps(&self, layers: &[FieldLayer]) -> Result<Steps, SimError> {
+        let Ready { setting, timeline, .. } = &self.ready;
+        let run = self.ready.under(layers, Runs::Once)?;
+        Ok(Steps {
+            per_second: 1.0 / run.timeline.dt_secs(),
+            in_all: run.timeline.n_steps(),
+            unlimited_per_second: 1.0 / timeline.dt_secs(),
+            limit: stability::in_words(run.limit.as_ref(), setting.groom),
+        })
     }
 
     fn run_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<Vec<[f32; 3]>, SimError> {

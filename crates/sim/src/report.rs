@@ -40,6 +40,19 @@ pub struct SimReport {
     pub assumed: Vec<Assumption>,
 }
 
+/// How a run is cut into steps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Steps {
+    /// Steps a second; the most, where strands have steps of their own.
+    pub per_second: f64,
+    /// Steps of each strand, from the first frame to the last.
+    pub in_all: usize,
+    /// Steps a second if no step were too long for the integrator.
+    pub unlimited_per_second: f64,
+    /// The integrator's stability limit for this groom, in words.
+    pub limit: String,
+}
+
 /// One term of the equations in this run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlanEntry {

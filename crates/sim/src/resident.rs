@@ -6,7 +6,7 @@ use crate::paper::Paper;
 use crate::physical::Physical;
 use crate::ready::{self, Ready, Resident};
 use crate::timeline::Runs;
-use crate::{Keeper, Method, SimError, SimOptions, Simulation, Traced, check};
+use crate::{Keeper, Method, SimError, SimOptions, Simulation, Steps, Traced, check};
 use std::sync::Arc;
 use tousle_core::{Groom, Progress, StrandMotion};
 use tousle_field::{FieldLayer, FieldSequence, Scene};
@@ -78,18 +78,29 @@ impl<'a> Simulator<'a> {
     /// # Errors
     /// [`SimError::Unstable`] if the layers' wind is too strong for the step of an explicit integrator.
     pub fn simulate(&self, layers: &[FieldLayer], progress: &dyn Progress) -> Result<Simulation, SimError> {
-        self.run(layers, None, progress, Runs::Again)
+        self.ready.run(layers, None, progress, Runs::Again)
     }
 
-    /// Runs all strands part by part, as [`crate::simulate_kept`].
-    pub(crate) fn run(
+    /// [`Simulator::simulate`] where it is not run again, as [`crate::simulate_kept`]: what other runs would gain by is not
+    /// prepared.
+    ///
+    /// # Errors
+    /// As [`Simulator::simulate`], and [`SimError::Keeper`], [`SimError::OtherPart`] where the keeper fails.
+    pub fn simulate_once(
         &self,
         layers: &[FieldLayer],
         keeper: Option<&dyn Keeper>,
         progress: &dyn Progress,
-        runs: Runs,
     ) -> Result<Simulation, SimError> {
-        self.ready.run(layers, keeper, progress, runs)
+        self.ready.run(layers, keeper, progress, Runs::Once)
+    }
+
+    /// How a run under some layers is cut into steps.
+    ///
+    /// # Errors
+    /// As [`Simulator::simulate`].
+    pub fn steps(&self, layers: &[FieldLayer]) -> Result<Steps, SimError> {
+        self.ready.steps(layers)
     }
 
     /// [`Simulator::simulate`] for an editor: a motion that remembers where each strand asked the field.

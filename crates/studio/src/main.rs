@@ -6,7 +6,8 @@ use eframe::egui::ViewportBuilder;
 use eframe::egui_wgpu::{WgpuError, WgpuSetup};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use tousle_groom::{Axis, GroomOptions};
+use tousle_core::Axis;
+use tousle_groom::GroomOptions;
 use tousle_studio::Studio;
 use tousle_studio::files::{Files, Opened, open};
 
@@ -23,8 +24,8 @@ struct Args {
     #[arg(long, value_parser = parse_unit, value_name = "mm|cm|m|in")]
     groom_unit: Option<tousle_core::LengthUnit>,
     /// The groom's up axis, where its file names none.
-    #[arg(long, value_parser = parse_up_axis, value_name = "X|Y|Z")]
-    groom_up: Option<tousle_core::UpAxis>,
+    #[arg(long, value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
+    groom_up: Option<Axis>,
     /// The groom's axis along which the nose points [default: x where z is up, z where y is up].
     #[arg(long, value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
     groom_forward: Option<Axis>,
@@ -96,10 +97,6 @@ fn in_words(error: &eframe::Error) -> anyhow::Error {
 
 fn parse_unit(name: &str) -> anyhow::Result<tousle_core::LengthUnit> {
     tousle_core::LengthUnit::from_name(name).ok_or_else(|| anyhow!("expected mm, cm, m or in"))
-}
-
-fn parse_up_axis(name: &str) -> anyhow::Result<tousle_core::UpAxis> {
-    tousle_core::UpAxis::from_name(name).ok_or_else(|| anyhow!("expected X, Y or Z"))
 }
 
 fn parse_axis(name: &str) -> anyhow::Result<Axis> {

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use tousle_core::{HeadAxes, Vec3};
+use tousle_core::{Axis, HeadAxes, Vec3};
 use tousle_usda::{PoseOptions, UsdaError, read_poses};
 
 fn options() -> PoseOptions {
@@ -82,12 +82,12 @@ fn the_world_may_have_another_up() {
 #[test]
 fn the_heads_own_axes_can_be_given() {
     let mut axes = options();
-    axes.axes = Some(HeadAxes { up: Vec3::y(), forward: -Vec3::z() });
+    axes.axes = Some(HeadAxes { up: Axis::PlusY, forward: Axis::MinusZ });
     let read = read_poses(&layer(Z_UP_METERS, WALK), &axes).unwrap();
     let pose = read.poses.poses[0];
     assert!((pose.rotation * Vec3::z() - Vec3::y()).norm() < 1e-12);
     assert!((pose.rotation * Vec3::x() + Vec3::z()).norm() < 1e-12);
-    axes.axes = Some(HeadAxes { up: Vec3::y(), forward: Vec3::y() });
+    axes.axes = Some(HeadAxes { up: Axis::PlusY, forward: Axis::PlusY });
     assert!(read_poses(&layer(Z_UP_METERS, WALK), &axes).is_err());
 }
 
@@ -162,7 +162,7 @@ fn as_pixars_library_has_it() {
     named.prim = Some("/World/Body/Head".to_owned());
     // The layer's own axes, so that nothing but the unit changes.
     named.world_up = Vec3::y();
-    named.axes = Some(HeadAxes { up: Vec3::z(), forward: Vec3::x() });
+    named.axes = Some(HeadAxes { up: Axis::PlusZ, forward: Axis::PlusX });
     let read = read_poses(include_bytes!("data/shot.usda"), &named).unwrap();
     assert_eq!((read.poses.rate_hz, read.poses.poses.len(), read.start_code), (48.0, 9, 1001.0));
     for (code, expected) in [

@@ -25,9 +25,9 @@ pub struct BenchSimArgs {
     /// A folder of captures, each with its other hairstyle and its truth [default: what needs none].
     #[arg(long, value_name = "DIR")]
     pub captures: Option<PathBuf>,
-    /// What hair on the torso rubs on while the head moves, as for `simulate`; for the part `truth`.
-    #[arg(long, value_parser = parse_torso_grip, default_value = "head", value_name = "head|torso")]
-    pub torso_grip: tousle_sim::TorsoGrip,
+    /// What hair on the torso rubs on while the head moves, as for `simulate`; for the part `truth` [default: head].
+    #[arg(long, value_parser = parse_torso_grip, value_name = "head|torso")]
+    pub torso_grip: Option<tousle_sim::TorsoGrip>,
     /// Only this part; may be given several times [default: all].
     #[arg(long = "part", value_parser = parse_part, value_name = "truth|converged|order|extremes|terms")]
     pub parts: Vec<tousle_bench::sim::Part>,

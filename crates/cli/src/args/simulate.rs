@@ -2,31 +2,31 @@
 
 use super::GroomArgs;
 use super::values::{
-    parse_axis, parse_head_axes, parse_integrator, parse_sim_method, parse_time, parse_torso_grip,
-    parse_unit, parse_up_axis,
+    parse_axis, parse_head_axes, parse_integrator, parse_sim_method, parse_time, parse_torso_grip, parse_unit,
 };
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use std::path::PathBuf;
 
 /// The shot's own body.
 #[derive(Clone, Debug, Args)]
+#[command(group = ArgGroup::new("mesh").multiple(true))]
 pub struct BodyArgs {
     /// A closed triangle mesh of the shot's own head, in place of the field's shapes that move with the head. Its origin
     /// is the head's center.
-    #[arg(long, value_name = "HEAD.obj", requires_all = ["mesh_unit", "mesh_up"])]
+    #[arg(long, value_name = "HEAD.obj", group = "mesh", requires_all = ["mesh_unit", "mesh_up"])]
     pub head_mesh: Option<PathBuf>,
     /// The same for what stays with the torso, placed as it is while the head is at rest.
-    #[arg(long, value_name = "TORSO.obj", requires_all = ["mesh_unit", "mesh_up"])]
+    #[arg(long, value_name = "TORSO.obj", group = "mesh", requires_all = ["mesh_unit", "mesh_up"])]
     pub torso_mesh: Option<PathBuf>,
     /// The unit of the meshes' positions; no OBJ file states it.
-    #[arg(long, value_parser = parse_unit, value_name = "mm|cm|m|in")]
+    #[arg(long, requires = "mesh", value_parser = parse_unit, value_name = "mm|cm|m|in")]
     pub mesh_unit: Option<tousle_core::LengthUnit>,
-    /// The meshes' up axis.
-    #[arg(long, value_parser = parse_up_axis, value_name = "X|Y|Z")]
-    pub mesh_up: Option<tousle_core::UpAxis>,
+    /// The meshes' up axis: x, y or z, with a minus sign where that axis points down.
+    #[arg(long, requires = "mesh", value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
+    pub mesh_up: Option<tousle_core::Axis>,
     /// The meshes' axis along which the nose points [default: x where z is up, z where y is up].
-    #[arg(long, value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
-    pub mesh_forward: Option<tousle_groom::Axis>,
+    #[arg(long, requires = "mesh", value_parser = parse_axis, value_name = "AXIS", allow_hyphen_values = true)]
+    pub mesh_forward: Option<tousle_core::Axis>,
 }
 
 /// `tousle simulate`
@@ -50,10 +50,11 @@ pub struct SimulateArgs {
     /// --method paper: exponential, semi-implicit [default: the first].
     #[arg(long, value_parser = parse_integrator, value_name = "NAME")]
     pub integrator: Option<tousle_sim::Integrator>,
-    /// The most that a step of the integrator adaptive may be off, mm.
-    #[arg(long, default_value_t = 0.1, value_name = "MM")]
-    pub tolerance_mm: f64,
-    /// Compute in single precision: faster, for hair of usual proportions and steps of 1/480 s or longer.
+    /// With --integrator adaptive, the most that a step may be off, mm [default: 0.1].
+    #[arg(long, value_name = "MM")]
+    pub tolerance_mm: Option<f64>,
+    /// Compute in single precision: faster, for hair of usual proportions and steps of 1/480 s or longer. With
+    /// method physical, for the integrators implicit and implicit-euler.
     #[arg(long)]
     pub single: bool,
     /// The longest step, s [default: the method's own].
@@ -93,10 +94,10 @@ pub struct SimulateArgs {
     /// are kept [default: some seconds' work].
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "0")]
     pub resume: Option<u32>,
-    /// How strands are drawn in a .usda file.
-    #[arg(long, value_enum, default_value_t = ShapeArg::Curves, value_name = "SHAPE")]
-    pub shape: ShapeArg,
-    /// Put what the hair touches into a .usda file too, as guides that renderers leave out.
+    /// How strands are drawn in a .usda output [default: curves].
+    #[arg(long, value_enum, value_name = "SHAPE")]
+    pub shape: Option<ShapeArg>,
+    /// Put what the hair touches into a .usda output too, as guides that renderers leave out.
     #[arg(long)]
     pub with_body: bool,
     /// Say which terms run, and what was left out and why.

@@ -1,5 +1,7 @@
 //! Values by their names; errors say which there are.
 
+use tousle_core::Axis;
+
 pub fn parse_edit_method(name: &str) -> Result<tousle_direct::EditMethod, String> {
     tousle_direct::EditMethod::from_name(name).ok_or_else(|| "expected physical or paper".to_owned())
 }
@@ -13,20 +15,15 @@ pub fn parse_unit(name: &str) -> Result<tousle_core::LengthUnit, String> {
     tousle_core::LengthUnit::from_name(name).ok_or_else(|| "expected mm, cm, m or in".to_owned())
 }
 
-pub fn parse_up_axis(name: &str) -> Result<tousle_core::UpAxis, String> {
-    tousle_core::UpAxis::from_name(name).ok_or_else(|| "expected X, Y or Z".to_owned())
-}
-
 pub fn parse_head_axes(text: &str) -> Result<tousle_core::HeadAxes, String> {
     let expected = || format!("found {text:?}, expected two axes: Y,Z or Z,X or Y,-Z");
     let (up, forward) = text.split_once(',').ok_or_else(expected)?;
-    let [up, forward] =
-        [up, forward].map(|axis| tousle_groom::Axis::from_name(axis).map(tousle_groom::Axis::vector));
+    let [up, forward] = [up, forward].map(Axis::from_name);
     Ok(tousle_core::HeadAxes { up: up.ok_or_else(expected)?, forward: forward.ok_or_else(expected)? })
 }
 
-pub fn parse_axis(name: &str) -> Result<tousle_groom::Axis, String> {
-    tousle_groom::Axis::from_name(name).ok_or_else(|| "expected x, y, z, -x, -y or -z".to_owned())
+pub fn parse_axis(name: &str) -> Result<Axis, String> {
+    Axis::from_name(name).ok_or_else(|| "expected x, y, z, -x, -y or -z".to_owned())
 }
 
 pub fn parse_torso_grip(name: &str) -> Result<tousle_sim::TorsoGrip, String> {

@@ -1,4 +1,4 @@
-use super::{demo, read_eff, write_whole};
+use super::{demo, only_with, read_eff, write_whole};
 use crate::args::{BenchArgs, BenchCommand, BenchDirectArgs, BenchFileArgs, BenchSimArgs, BenchWindArgs};
 use crate::ui::Outcome;
 use anyhow::Context;
@@ -24,18 +24,31 @@ pub fn run(command: &BenchCommand, watch: &dyn Watch) -> anyhow::Result<Outcome>
 
 fn sim(args: &BenchSimArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let parts = if args.parts.is_empty() { Part::ALL.to_vec() } else { args.parts.clone() };
+    if !parts.contains(&Part::Truth) {
+        let given = [("--captures", args.captures.is_some())];
+        only_with("--part truth", "no other part looks at captures", &given)?;
+    }
+    if args.captures.is_none() {
+        let is_named = args.parts.contains(&Part::Truth);
+        let given = [("--part truth", is_named), ("--torso-grip", args.torso_grip.is_some())];
+        only_with("--captures", "the captures have the truth", &given)?;
+    }
+    make_folder(args.output.as_deref())?;
     let method = FitMethod::Paper(PaperOptions::default());
     let (converted, groom) = (demo::converted(method, watch)?, demo::groom()?);
     let eff = &converted.eff;
     let sample =
         Sample { name: "the demo's hair in its wind", field: &eff.field, scene: &eff.scene, groom: &groom };
     let stage = watch.stage("bench");
-    let options = SimBenchOptions { parts, captures: args.captures.clone(), torso_grip: args.torso_grip };
+    let options = SimBenchOptions {
+        parts,
+        captures: args.captures.clone(),
+        torso_grip: args.torso_grip.unwrap_or_default(),
+    };
     let report = sim::run(sample, &options, &*stage)?;
     drop(stage);
     say!("{}", report.to_text());
     let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
-    make_folder(folder)?;
     for (name, text) in report.files() {
         write_text(folder, &name, &text)?;
     }
@@ -45,6 +58,7 @@ fn sim(args: &BenchSimArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
 }
 
 fn wind(args: &BenchWindArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
+    make_folder(args.output.as_deref())?;
     let mut settings = if args.leave_one_out { Setting::choices() } else { Setting::methods() };
     if !args.quick && !args.leave_one_out {
         settings.extend(Setting::varied());
@@ -58,7 +72,6 @@ fn wind(args: &BenchWindArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         say!("{}", report.leave_one_out().to_text());
     }
     let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
-    make_folder(folder)?;
     if args.leave_one_out {
         write_text(folder, "wind-choices.csv", &table.to_csv())?;
         write_text(folder, "wind-leave-one-out.csv", &report.leave_one_out().to_csv())?;
@@ -72,6 +85,7 @@ fn wind(args: &BenchWindArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
 }
 
 fn direct(args: &BenchDirectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
+    make_folder(args.output.as_deref())?;
     let defaults = DirectBenchOptions::default();
     let names = if args.names.is_empty() { defaults.names } else { args.names.clone() };
     let options = DirectBenchOptions { names, n_drags: args.drags, n_several: args.several, seed: args.seed };
@@ -80,7 +94,6 @@ fn direct(args: &BenchDirectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> 
     drop(stage);
     say!("{}", report.to_text());
     let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
-    make_folder(folder)?;
     for (name, table) in [
         ("direct", report.summary()),
         ("direct-drags", report.drags()),
@@ -96,6 +109,7 @@ fn direct(args: &BenchDirectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> 
 }
 
 fn file(args: &BenchFileArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
+    make_folder(args.output.as_deref())?;
     let stage = watch.stage("bench");
     let mut table = tousle_bench::file::table();
     for (k, path) in (0..).zip(&args.fields) {
@@ -107,19 +121,18 @@ fn file(args: &BenchFileArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     drop(stage);
     say!("{}", table.to_text());
     let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
-    make_folder(folder)?;
     write_text(folder, "file.csv", &table.to_csv())?;
     sayln!("wrote {}", folder.join("file.csv").display());
     Ok(Outcome::Fine)
 }
 
 fn paper(args: &BenchArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
+    make_folder(args.output.as_deref())?;
     let stage = watch.stage("bench");
     let report = paper::run(&args.captures, &PaperBenchOptions::default(), &*stage)?;
     drop(stage);
     say!("{}", report.to_text());
     let Some(folder) = &args.output else { return Ok(Outcome::Fine) };
-    make_folder(folder)?;
     for (name, table) in ["motion", "field", "cost", "summary"].iter().zip(report.tables()) {
         write_text(folder, &format!("paper-{name}.csv"), &table.to_csv())?;
     }
@@ -129,7 +142,9 @@ fn paper(args: &BenchArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-fn make_folder(folder: &Path) -> anyhow::Result<()> {
+/// Makes the folder for what is measured, if there is to be one: before the work, which takes minutes.
+fn make_folder(folder: Option<&Path>) -> anyhow::Result<()> {
+    let Some(folder) = folder else { return Ok(()) };
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))
 }
 

@@ -1,7 +1,4 @@
-use super::{
-    check_apart, check_ending, check_folder, name, print_json, quality, read_options, write_eff,
-    write_options,
-};
+use super::{check_output, name, only_with, print_json, quality, read_options, write_eff, write_options};
 use crate::args::{ConvertArgs, MethodArg, ReadingArg};
 use crate::ui::Outcome;
 use std::fmt::Write;
@@ -12,12 +9,12 @@ use tousle_refine::RefineOptions;
 
 /// `tousle convert`
 pub fn run(args: &ConvertArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
-    check_ending(&args.output, &["mcap"])?;
-    check_apart(&args.output, &[&args.capture, &args.session])?;
-    check_folder(&args.output)?;
-    quality::check_reports(&args.report)?;
+    let inputs = [args.capture.as_path(), &args.session];
+    check_output(&args.output, &["mcap"], &inputs)?;
+    quality::check_reports(&args.report, &inputs)?;
+    check_options(args)?;
     let pack = write_options(&args.pack)?;
-    let options = options(args)?;
+    let options = options(args);
     let capture = read_file(&args.capture)?;
     let session = read_file(&args.session)?;
     let converted = tousle_pipeline::convert(
@@ -46,18 +43,23 @@ pub fn run(args: &ConvertArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     Ok(if report.losses.is_empty() { Outcome::Fine } else { Outcome::WithLoss })
 }
 
-fn options(args: &ConvertArgs) -> anyhow::Result<ConvertOptions> {
-    if args.method != MethodArg::Paper {
-        for (option, is_given) in
-            [("--reading", args.reading.is_some()), ("--span-ms", args.span_ms.is_some())]
-        {
-            if is_given {
-                wrong!(
-                    "{option}: found without --method paper, expected with it: it says how the paper's equation E3 is read"
-                );
-            }
-        }
+/// Refuses options of the method that is not used.
+fn check_options(args: &ConvertArgs) -> anyhow::Result<()> {
+    if args.method == MethodArg::Paper {
+        let why = "the captured wig is simulated in a wind, not in forces";
+        only_with("--method physical", why, &[("--refine", args.refine)])?;
+    } else {
+        let given = [("--reading", args.reading.is_some()), ("--span-ms", args.span_ms.is_some())];
+        only_with("--method paper", "it says how the paper's equation E3 is read", &given)?;
     }
+    if args.reading == Some(ReadingArg::FirstFrame) {
+        let why = "the reading first-frame counts s from the first frame";
+        only_with("another --reading", why, &[("--span-ms", args.span_ms.is_some())])?;
+    }
+    Ok(())
+}
+
+fn options(args: &ConvertArgs) -> ConvertOptions {
     let reading = match args.reading {
         Some(ReadingArg::FirstFrame) => PaperReading::FirstFrame,
         Some(ReadingArg::SlidingWindow) => PaperReading::SlidingWindow,
@@ -73,13 +75,13 @@ fn options(args: &ConvertArgs) -> anyhow::Result<ConvertOptions> {
         clean: (!args.no_clean).then(CleanOptions::default),
         ..PrepareOptions::default()
     };
-    Ok(ConvertOptions {
+    ConvertOptions {
         prepare,
         fit: FitOptions { method, rate_hz: args.rate_hz, ..FitOptions::default() },
         refine: Some(if args.refine { RefineOptions::default() } else { RefineOptions::quick() }),
         extent_m: args.extent_mm * 1e-3,
         edge_m: args.voxel_mm * 1e-3,
-    })
+    }
 }
 
 /// What happened, in a few lines.

@@ -1,11 +1,12 @@
-use super::{check_ending, print_json, read_groom, sound_eff};
+use super::{check_output, only_with, print_json, read_groom, sound_eff};
 use crate::args::EditArgs;
 use crate::ui::Outcome;
 use anyhow::Context;
 use serde::Serialize;
 use std::fmt::Write;
 use std::io::Cursor;
-use tousle_direct::{DirectOptions, DirectReport, Made, Stage, apply};
+use tousle_core::Quantity;
+use tousle_direct::{DirectOptions, DirectReport, EditMethod, Made, Stage, apply};
 use tousle_edit::{EditEffects, StackChange, Under};
 use tousle_field::{FieldLayer, LayerOrigin};
 use tousle_pipeline::{Watch, read_file, write_whole};
@@ -24,7 +25,8 @@ struct Report {
 
 /// `tousle edit`
 pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
-    check_ending(&args.output, &["mcap"])?;
+    // Into the field itself as well: it takes its name in one step, and edits are layers that can be removed.
+    check_output(&args.output, &["mcap"], &[&args.groom, &args.edits])?;
     let bytes = read_file(&args.field)?;
     let eff = sound_eff(&bytes, &args.field)?;
     let groom = read_groom(&args.groom, &args.groom_args, &eff.scene, &eff.field.grid)?;
@@ -32,14 +34,12 @@ pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         .with_context(|| format!("cannot read the edits {}", args.edits.display()))?;
     let (field, scene, groom) = (&eff.field, &eff.scene, &groom);
     let options = SimOptions::of(Method::for_quantity(field.quantity));
+    let direct = direct_options(args, field.quantity)?;
     let simulator = Simulator::new(field, scene, groom, &options)?;
     let stage = watch.stage("simulate");
     let before = simulator.trace(&field.layers, &*stage)?;
     drop(stage);
     let stage = watch.stage("solve");
-    let mut direct = DirectOptions::for_quantity(field.quantity);
-    direct.method = args.method.unwrap_or(direct.method);
-    direct.tolerance_m = args.tolerance_mm * 1e-3;
     let world = Stage { simulator: &simulator, field, scene, groom };
     let directed = apply(&world, &field.layers, before.motion(), &edits, &direct)
         .with_context(|| format!("cannot apply the edits {}", args.edits.display()))?;
@@ -61,7 +61,18 @@ pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         say!("{}", summary(&report, &directed.stack));
         sayln!("wrote {}", args.output.display());
     }
-    Ok(losses(&report, args.tolerance_mm))
+    Ok(losses(&report, direct.tolerance_m * 1e3))
+}
+
+fn direct_options(args: &EditArgs, quantity: Quantity) -> anyhow::Result<DirectOptions> {
+    let mut options = DirectOptions::for_quantity(quantity);
+    options.method = args.method.unwrap_or(options.method);
+    if options.method == EditMethod::Paper {
+        let why = "by E4 a drag is one push, whether or not it meets its key";
+        only_with("--method physical", why, &[("--tolerance-mm", args.tolerance_mm.is_some())])?;
+    }
+    options.tolerance_m = args.tolerance_mm.map_or(options.tolerance_m, |mm| mm * 1e-3);
+    Ok(options)
 }
 
 /// Says what was not reached: by an edit alone, or because others move what it drags too.

@@ -1,4 +1,4 @@
-use super::{check_ending, ending, read_eff};
+use super::{check_output, ending, read_eff};
 use crate::args::ExportArgs;
 use crate::ui::Outcome;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use tousle_pipeline::{Watch, write_whole};
 
 /// `tousle export`
 pub fn run(args: &ExportArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
-    check_ending(&args.output, &["npz", "vdb"])?;
+    check_output(&args.output, &["npz", "vdb"], &[&args.field])?;
     let eff = read_eff(&args.field)?;
     let stage = watch.stage("export");
     if ending(&args.output) == "npz" {

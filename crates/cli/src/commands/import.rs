@@ -1,10 +1,11 @@
 mod wind;
 
-use super::{check_ending, name, print_json, write_eff, write_options};
+use super::{check_output, name, only_with, print_json, write_eff, write_options};
 use crate::args::ImportArgs;
 use crate::ui::Outcome;
 use anyhow::Context;
 use serde::Serialize;
+use std::path::{Path, PathBuf};
 use tousle_core::{Assumption, Pose, PoseTrack, STANDARD_GRAVITY, Session, UpAxis};
 use tousle_eff::Eff;
 use tousle_field::Scene;
@@ -19,7 +20,10 @@ struct ImportReport {
 
 /// `tousle import`
 pub fn run(args: &ImportArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
-    check_ending(&args.output, &["mcap"])?;
+    let wind = args.wind.iter().map(PathBuf::as_path);
+    let inputs: Vec<&Path> = wind.chain([args.session.as_path()]).chain(args.head.as_deref()).collect();
+    check_output(&args.output, &["mcap"], &inputs)?;
+    check_options(args)?;
     let pack = write_options(&args.pack)?;
     let session_bytes = read_file(&args.session)?;
     let session = tousle_ingest::read_session(&session_bytes)
@@ -56,6 +60,16 @@ pub fn run(args: &ImportArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         );
     }
     Ok(Outcome::Fine)
+}
+
+/// Refuses options of the kind of file that is not read.
+fn check_options(args: &ImportArgs) -> anyhow::Result<()> {
+    if wind::is_vdb(args) {
+        let why = "in .vdb the grid is where its transform puts it";
+        return only_with("a .npz file", why, &[("--extent-mm", args.extent_mm.is_some())]);
+    }
+    let given = [("--grid", args.grid.is_some()), ("--rate-hz", args.rate_hz.is_some())];
+    only_with(".vdb files", "a .npz holds one wind and its times", &given)
 }
 
 /// The scene around imported wind: from the session, and the head's poses if they are given.

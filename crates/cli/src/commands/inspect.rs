@@ -1,10 +1,11 @@
 mod capture;
 
-use super::{print_json, read_file};
-use crate::args::InspectArgs;
+use super::{only_with, print_json, quality, read_file};
+use crate::args::{InspectArgs, ReadArgs};
 use crate::ui::Outcome;
 use anyhow::{Context, anyhow};
 use std::fmt::Write;
+use std::path::Path;
 use tousle_eff::Inspection;
 use tousle_eff::manifest::{EncodingInfo, EncodingName};
 use tousle_groom::{GroomOptions, GroomReadError, GroomSummary};
@@ -15,23 +16,31 @@ const MCAP_MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
 /// `tousle inspect`
 pub fn run(args: &InspectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
-    let read = [
-        ("--unit", args.read.unit.is_some()),
-        ("--subject", args.read.subject.is_some()),
-        ("--allow-cut", args.read.allow_cut),
-    ];
-    if let (None, Some((option, _))) = (&args.session, read.iter().find(|(_, is_given)| *is_given)) {
-        wrong!(
-            "{option}: found without --session, expected with it: a capture is told as its file has it otherwise"
-        );
+    if args.session.is_none() {
+        let ReadArgs { unit, subject, allow_cut } = &args.read;
+        let given =
+            [("--unit", unit.is_some()), ("--subject", subject.is_some()), ("--allow-cut", *allow_cut)];
+        only_with("--session", "a capture is told as its file has it otherwise", &given)?;
     }
+    let inputs: Vec<&Path> = [args.file.as_path()].into_iter().chain(args.session.as_deref()).collect();
+    quality::check_reports(&args.report, &inputs)?;
     let bytes = read_file(&args.file)?;
     let cannot = || format!("cannot inspect {}", args.file.display());
-    if bytes.starts_with(MCAP_MAGIC) {
+    let is_field = bytes.starts_with(MCAP_MAGIC);
+    let is_capture = !is_field && (args.session.is_some() || tousle_ingest::guess_format(&bytes).is_some());
+    if !is_capture {
+        let given = [("--session", args.session.is_some())];
+        only_with("a capture", "it says what the people in its room knew", &given)?;
+    }
+    if is_field || is_capture {
+        let given = [("--groom-unit", args.groom_unit.is_some()), ("--groom-up", args.groom_up.is_some())];
+        only_with("a groom", "it says what a groom file may not", &given)?;
+    }
+    if is_field {
         let inspection = tousle_eff::inspect(&bytes[..]).with_context(cannot)?;
         show(args.json, &inspection, field_table)?;
-    } else if args.session.is_some() || tousle_ingest::guess_format(&bytes).is_some() {
-        capture::run(args, &bytes, watch).with_context(cannot)?;
+    } else if is_capture {
+        return capture::run(args, &bytes, watch).with_context(cannot);
     } else {
         let mut options = GroomOptions::default();
         options.unit = args.groom_unit;

@@ -1,16 +1,18 @@
-use super::{check_ending, name, print_json, write_options};
+use super::{check_output, name, print_json, write_options};
 use crate::args::{MergeArgs, SpanArg};
 use crate::ui::Outcome;
 use anyhow::Context;
 use std::fmt::Write;
 use std::fs::File;
 use std::io::BufReader;
+use std::path::{Path, PathBuf};
 use tousle_merge::{MergeOptions, MergeReport, Span};
 use tousle_pipeline::{MergeSource, Watch, write_whole};
 
 /// `tousle merge`
 pub fn run(args: &MergeArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
-    check_ending(&args.output, &["mcap"])?;
+    let inputs: Vec<&Path> = args.fields.iter().map(PathBuf::as_path).collect();
+    check_output(&args.output, &["mcap"], &inputs)?;
     let encoding = args.pack.given().map(|pack| write_options(&pack)).transpose()?.map(|pack| pack.encoding);
     let names: Vec<String> = args.fields.iter().map(|path| name(path)).collect();
     let n_offsets = args.offset_secs.len();

@@ -1,4 +1,4 @@
-use super::{check_apart, check_ending, print_json, read_file, write_whole};
+use super::{check_output, print_json, read_file, write_whole};
 use crate::args::MigrateArgs;
 use crate::ui::Outcome;
 use std::io::Cursor;
@@ -6,8 +6,7 @@ use tousle_pipeline::Watch;
 
 /// `tousle migrate`
 pub fn run(args: &MigrateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
-    check_ending(&args.output, &["mcap"])?;
-    check_apart(&args.output, &[&args.field])?;
+    check_output(&args.output, &["mcap"], &[&args.field])?;
     let bytes = read_file(&args.field)?;
     let stage = watch.stage("migrate");
     let migration = write_whole(&args.output, |out| tousle_eff::migrate(Cursor::new(&bytes), out, &*stage))?;

@@ -1,15 +1,15 @@
 //! The quality report of a capture: on the terminal, as JSON, as a page.
 
-use super::{check_ending, ending};
+use super::{check_outputs, ending};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use tousle_core::FrameSpan;
 use tousle_page::{QualityPage, quality_page};
 use tousle_pipeline::{Prepared, QualityReport, write_whole};
 
-/// Refuses report files that are neither a page nor JSON, before any work is done.
-pub fn check_reports(paths: &[PathBuf]) -> anyhow::Result<()> {
-    paths.iter().try_for_each(|path| check_ending(path, &["html", "json"]))
+/// Refuses report files that are neither a page nor JSON, or cannot be written, before any work is done.
+pub fn check_reports(paths: &[PathBuf], inputs: &[&Path]) -> anyhow::Result<()> {
+    check_outputs(paths, &["html", "json"], inputs)
 }
 
 /// Writes the quality report to each path, as its ending asks.

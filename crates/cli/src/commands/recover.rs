@@ -1,4 +1,4 @@
-use super::{check_apart, check_ending, print_json, read_file, write_whole};
+use super::{check_output, print_json, read_file, write_whole};
 use crate::args::RecoverArgs;
 use crate::ui::Outcome;
 use std::io::Cursor;
@@ -6,8 +6,7 @@ use tousle_pipeline::Watch;
 
 /// `tousle recover`
 pub fn run(args: &RecoverArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
-    check_ending(&args.output, &["mcap"])?;
-    check_apart(&args.output, &[&args.field])?;
+    check_output(&args.output, &["mcap"], &[&args.field])?;
     let bytes = read_file(&args.field)?;
     let stage = watch.stage("recover");
     let recovery = write_whole(&args.output, |out| tousle_eff::recover(Cursor::new(&bytes), out, &*stage))?;

@@ -3,7 +3,7 @@ mod guided;
 mod head;
 mod resume;
 
-use super::{check_apart, check_ending, check_folder, ending, print_json, read_groom, unusable};
+use super::{check_outputs, ending, only_with, print_json, read_groom, unusable};
 use crate::args::{ShapeArg, SimulateArgs};
 use crate::ui::Outcome;
 use anyhow::Context;
@@ -21,15 +21,7 @@ use tousle_sim::{Integrator, Method, PlanEntry, Precision, SimOptions};
 
 /// `tousle simulate`
 pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
-    let inputs = [args.field.as_path(), args.groom.as_path()];
-    for (k, output) in args.output.iter().enumerate() {
-        check_ending(output, &["npz", "usda"])?;
-        check_apart(output, &inputs)?;
-        check_folder(output)?;
-        if args.output[..k].contains(output) {
-            wrong!("output {}: found it twice, expected each once", output.display());
-        }
-    }
+    check_args(args)?;
     let Asked { mut eff, mut options, plan } = read_field(args)?;
     let groom = read_groom(&args.groom, &args.groom_args, &eff.scene, &eff.field.grid)?;
     let mut assumed = body::put_meshes(&mut eff.scene.body, &args.body_args, &groom, watch)?;
@@ -42,7 +34,7 @@ pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     simulated.report.assumed.extend(assumed);
     simulated.report.plan.insert(0, plan);
     let scene = Scene { poses: options.head.unwrap_or_else(|| eff.scene.poses.clone()), ..eff.scene.clone() };
-    let mut usd = usd_options(&scene, args.shape);
+    let mut usd = usd_options(&scene, args.shape.unwrap_or(ShapeArg::Curves));
     usd.with_body = args.with_body;
     let mut outputs = Outputs::default();
     for output in &args.output {
@@ -63,6 +55,27 @@ pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
+/// Refuses outputs that cannot be, and options that do nothing.
+fn check_args(args: &SimulateArgs) -> anyhow::Result<()> {
+    let head = args.head.as_ref().map(|name| head::split(name).0);
+    let mut inputs = vec![args.field.as_path(), &args.groom];
+    inputs.extend(head.as_deref());
+    check_outputs(&args.output, &["npz", "usda"], &inputs)?;
+    if !args.output.iter().any(|output| ending(output) == "usda") {
+        let given = [("--shape", args.shape.is_some()), ("--with-body", args.with_body)];
+        only_with("a .usda output", "a .npz holds the control points alone", &given)?;
+    }
+    if args.integrator != Some(Integrator::Adaptive) {
+        let why = "no other integrator asks how far a step is off";
+        only_with("--integrator adaptive", why, &[("--tolerance-mm", args.tolerance_mm.is_some())])?;
+    }
+    if !head.is_some_and(|path| head::is_usd(&path)) {
+        let given = [("--head-axes", args.head_axes.is_some()), ("--head-start", args.head_start.is_some())];
+        only_with("a --head in .usda", "poses in .npz have the field's clock and head axes", &given)?;
+    }
+    Ok(())
+}
+
 /// What a run asks a field file for.
 struct Asked {
     /// The steps that it needs, with their scene and their edits.
@@ -77,7 +90,7 @@ fn read_field(args: &SimulateArgs) -> anyhow::Result<Asked> {
     let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
     let mut reader = Reader::open(file).map_err(|e| unusable(e, path))?;
     let info = &reader.manifest().field;
-    let options = options(args, info.quantity.into());
+    let options = options(args, info.quantity.into())?;
     let mut part = Part::default().without_deviations();
     part.span_secs = options.span_secs(info.start_secs);
     let of = reader.n_steps();
@@ -89,20 +102,26 @@ fn read_field(args: &SimulateArgs) -> anyhow::Result<Asked> {
     Ok(Asked { eff, options, plan: PlanEntry { term: "field".to_owned(), active: true, why } })
 }
 
-fn options(args: &SimulateArgs, quantity: Quantity) -> SimOptions {
+fn options(args: &SimulateArgs, quantity: Quantity) -> anyhow::Result<SimOptions> {
     let method = args.method.unwrap_or(Method::for_quantity(quantity));
-    SimOptions {
+    let defaults = SimOptions::default();
+    let options = SimOptions {
         method,
         rate_hz: args.rate_hz,
         integrator: args.integrator,
-        tolerance_m: args.tolerance_mm * 1e-3,
+        tolerance_m: args.tolerance_mm.map_or(defaults.tolerance_m, |mm| mm * 1e-3),
         precision: if args.single { Precision::Single } else { Precision::Double },
         dt_secs: args.dt_secs,
         time: args.time,
         torso_grip: args.torso_grip,
         duration_secs: args.duration_secs,
-        ..SimOptions::default()
+        ..defaults
+    };
+    if !options.has_single() {
+        let why = "the others of method physical compute in double precision";
+        only_with("--integrator implicit or implicit-euler", why, &[("--single", args.single)])?;
     }
+    Ok(options)
 }
 
 /// Writes a motion in the format that the path's ending names.

@@ -4,11 +4,12 @@
 
 mod values;
 
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 use std::fmt;
 
 use serde::Deserialize;
-use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
+use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use tousle_core::{UpAxis, Vec3};
 
 use super::GroomFormat;
@@ -18,13 +19,17 @@ use crate::raw::{RawGroom, RawStrand};
 use values::Values;
 
 pub(super) fn read(text: &[u8]) -> Result<RawGroom, GroomReadError> {
-    let file: File = serde_json::from_slice(text).map_err(|error| describe(text, &error))?;
+    let place = Place::default();
+    let mut parser = serde_json::Deserializer::from_slice(text);
+    let file = FileReader(&place).deserialize(&mut parser);
+    let file = file.and_then(|file| parser.end().map(|()| file));
+    let file = file.map_err(|error| describe(text, &place, &error))?;
     let mut names = BTreeSet::new();
     for (k, strand) in file.strands.iter().enumerate() {
         if let Some(name) = strand.raw.name.as_ref().filter(|name| !names.insert(name.as_str())) {
             return Err(GroomReadError::Malformed {
                 format: GroomFormat::Json,
-                place: format!("strand {} of {}", k + 1, file.strands.len()),
+                place: format!("strands[{k}].name"),
                 found: format!("the name {name:?} a second time"),
                 expected: "each name once".to_owned(),
             });
@@ -50,17 +55,16 @@ pub(super) fn read(text: &[u8]) -> Result<RawGroom, GroomReadError> {
 }
 
 /// An error with its place, and plainly where Python's or JavaScript's not-a-number is what stands there.
-fn describe(text: &[u8], error: &serde_json::Error) -> GroomReadError {
+fn describe(text: &[u8], place: &Place, error: &serde_json::Error) -> GroomReadError {
     let (line, column) = (error.line(), error.column());
     let (start, word) = word_at(text, line, column);
     if ["NaN", "nan", "Infinity", "-Infinity", "inf", "-inf"].contains(&word) {
-        let problem = format!("found {word}, expected a finite number");
+        let problem = format!("{place}found {word}, expected a finite number");
         return GroomReadError::Json { line, column: start, problem };
     }
     let message = error.to_string();
-    let place = format!(" at line {line} column {column}");
-    let problem = message.strip_suffix(&place).unwrap_or(&message).to_owned();
-    GroomReadError::Json { line, column, problem }
+    let said = message.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&message);
+    GroomReadError::Json { line, column, problem: format!("{place}{said}") }
 }
 
 /// The word around a place, and the column where it starts, from 1. The parser may stop anywhere in it.
@@ -86,15 +90,62 @@ struct Strand {
     unknown: Vec<String>,
 }
 
-impl<'de> Deserialize<'de> for File {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(FileVisitor)
+/// Where in the file the reader is, for errors. Each part is set before what it names is read.
+#[derive(Debug, Default)]
+struct Place {
+    strand: Cell<Option<usize>>,
+    name: RefCell<Option<String>>,
+    field: Cell<Option<&'static str>>,
+}
+
+impl Place {
+    fn enter(&self, strand: Option<usize>) {
+        self.strand.set(strand);
+        self.name.replace(None);
+        self.field.set(None);
+    }
+
+    /// The value of a field, which must not be there twice.
+    fn field<'de, T: Deserialize<'de>, A: MapAccess<'de>>(
+        &self,
+        map: &mut A,
+        name: &'static str,
+        field: &mut Option<T>,
+    ) -> Result<(), A::Error> {
+        self.field.set(Some(name));
+        match field.replace(map.next_value()?) {
+            None => Ok(()),
+            Some(_) => Err(A::Error::duplicate_field(name)),
+        }
     }
 }
 
-struct FileVisitor;
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(strand) = self.strand.get() else { return Ok(()) };
+        write!(f, "strands[{strand}]")?;
+        if let Some(field) = self.field.get() {
+            write!(f, ".{field}")?;
+        }
+        if let Some(name) = &*self.name.borrow() {
+            write!(f, " (strand {name})")?;
+        }
+        f.write_str(": ")
+    }
+}
 
-impl<'de> Visitor<'de> for FileVisitor {
+/// Reads the file's top object.
+struct FileReader<'a>(&'a Place);
+
+impl<'de> DeserializeSeed<'de> for FileReader<'_> {
+    type Value = File;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<File, D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for FileReader<'_> {
     type Value = File;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -106,7 +157,8 @@ impl<'de> Visitor<'de> for FileVisitor {
         let mut unknown = Vec::new();
         while let Some(key) = map.next_key::<String>()? {
             match key.as_str() {
-                "strands" => set(&mut strands, "strands", map.next_value()?)?,
+                "strands" if strands.is_some() => return Err(A::Error::duplicate_field("strands")),
+                "strands" => strands = Some(map.next_value_seed(StrandsReader(self.0))?),
                 "note" => drop(map.next_value::<IgnoredAny>()?),
                 _ => {
                     map.next_value::<IgnoredAny>()?;
@@ -118,15 +170,48 @@ impl<'de> Visitor<'de> for FileVisitor {
     }
 }
 
-impl<'de> Deserialize<'de> for Strand {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(StrandVisitor)
+/// Reads the list of strands.
+struct StrandsReader<'a>(&'a Place);
+
+impl<'de> DeserializeSeed<'de> for StrandsReader<'_> {
+    type Value = Vec<Strand>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_seq(self)
     }
 }
 
-struct StrandVisitor;
+impl<'de> Visitor<'de> for StrandsReader<'_> {
+    type Value = Vec<Strand>;
 
-impl<'de> Visitor<'de> for StrandVisitor {
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a list of strands")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+        let mut strands = Vec::new();
+        self.0.enter(Some(0));
+        while let Some(strand) = list.next_element_seed(StrandReader(self.0))? {
+            strands.push(strand);
+            self.0.enter(Some(strands.len()));
+        }
+        self.0.enter(None);
+        Ok(strands)
+    }
+}
+
+/// Reads a strand.
+struct StrandReader<'a>(&'a Place);
+
+impl<'de> DeserializeSeed<'de> for StrandReader<'_> {
+    type Value = Strand;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Strand, D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for StrandReader<'_> {
     type Value = Strand;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -134,40 +219,48 @@ impl<'de> Visitor<'de> for StrandVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Strand, A::Error> {
+        let place = self.0;
         let mut strand = Strand::default();
         let raw = &mut strand.raw;
         let mut points: Option<Vec<[f64; 3]>> = None;
         let (mut width, mut density, mut stiffness) = (None, None, None);
         while let Some(key) = map.next_key::<String>()? {
             match key.as_str() {
-                "name" => set(&mut raw.name, "name", map.next_value()?)?,
-                "rest_curve_m" => set(&mut points, "rest_curve_m", map.next_value()?)?,
-                "length_m" => set(&mut raw.length, "length_m", map.next_value()?)?,
-                "lock_width_m" => set(&mut width, "lock_width_m", map.next_value()?)?,
-                "linear_density_kg_per_m" => {
-                    set(&mut density, "linear_density_kg_per_m", map.next_value()?)?;
+                "name" => {
+                    place.field(&mut map, "name", &mut raw.name)?;
+                    place.name.replace(raw.name.clone());
                 }
-                "bending_stiffness_N_m2" => {
-                    set(&mut stiffness, "bending_stiffness_N_m2", map.next_value()?)?;
-                }
-                "internal_damping_time_s" => {
-                    set(&mut raw.internal_damping_secs, "internal_damping_time_s", map.next_value()?)?;
-                }
+                "rest_curve_m" => place.field(&mut map, "rest_curve_m", &mut points)?,
+                "length_m" => place.field(&mut map, "length_m", &mut raw.length)?,
+                WIDTH => place.field(&mut map, WIDTH, &mut width)?,
+                DENSITY => place.field(&mut map, DENSITY, &mut density)?,
+                STIFFNESS => place.field(&mut map, STIFFNESS, &mut stiffness)?,
+                DAMPING => place.field(&mut map, DAMPING, &mut raw.internal_damping_secs)?,
                 _ => {
                     map.next_value::<IgnoredAny>()?;
                     strand.unknown.push(key);
                 }
             }
+            place.field.set(None);
         }
         let points = points.ok_or_else(|| A::Error::missing_field("rest_curve_m"))?;
         raw.points = points.into_iter().map(Vec3::from).collect();
         let n_points = raw.points.len();
-        (raw.lock_width_m, raw.along.width) = along(width, n_points)?;
-        (raw.linear_density_kg_per_m, raw.along.linear_density) = along(density, n_points)?;
-        (raw.bending_stiffness_n_m2, raw.along.bending_stiffness) = along(stiffness, n_points)?;
+        let along = |name, values| {
+            place.field.set(Some(name));
+            along::<A::Error>(values, n_points)
+        };
+        (raw.lock_width_m, raw.along.width) = along(WIDTH, width)?;
+        (raw.linear_density_kg_per_m, raw.along.linear_density) = along(DENSITY, density)?;
+        (raw.bending_stiffness_n_m2, raw.along.bending_stiffness) = along(STIFFNESS, stiffness)?;
         Ok(strand)
     }
 }
+
+const WIDTH: &str = "lock_width_m";
+const DENSITY: &str = "linear_density_kg_per_m";
+const STIFFNESS: &str = "bending_stiffness_N_m2";
+const DAMPING: &str = "internal_damping_time_s";
 
 /// The number that stands for a property, and how many times it the property is at each point.
 fn along<E: Error>(values: Option<Values>, n_points: usize) -> Result<(Option<f64>, Vec<f64>), E> {
@@ -182,14 +275,6 @@ fn along<E: Error>(values: Option<Values>, n_points: usize) -> Result<(Option<f6
             let n = list.len();
             Err(E::custom(format!("found a list of {n}, expected one for each of {n_points} points")))
         }
-    }
-}
-
-/// Fills a field that must not be there twice.
-fn set<T, E: Error>(field: &mut Option<T>, name: &'static str, value: T) -> Result<(), E> {
-    match field.replace(value) {
-        None => Ok(()),
-        Some(_) => Err(E::duplicate_field(name)),
     }
 }
 
@@ -234,7 +319,10 @@ mod tests {
         assert_eq!(raw.strands[0].along.width, [0.004 / 0.003, 0.002 / 0.003]);
         assert!(raw.strands[0].along.linear_density.is_empty() && raw.warnings.is_empty());
         for (fields, says) in [
-            ("\"lock_width_m\": [1, 2, 3]", "found a list of 3, expected one for each of 2 points"),
+            (
+                "\"lock_width_m\": [1, 2, 3]",
+                ": strands[0].lock_width_m: found a list of 3, expected one for each of 2 points",
+            ),
             ("\"lock_width_m\": []", "a list of one for each point"),
             ("\"lock_width_m\": [1, -2]", "found -2 in a list, expected numbers above 0"),
             ("\"lock_width_m\": \"1\"", "expected a number, or a list of one for each point"),
@@ -249,21 +337,38 @@ mod tests {
         let strand =
             |fields: &str| format!("{{\"strands\": [\n{{\"rest_curve_m\": [[0,0,0],[0,0,1]]{fields}}}]}}");
         for (text, says) in [
-            (strand(", \"length_m\": NaN"), "line 2, column 49: found NaN, expected a finite number"),
-            (strand(", \"length_m\": -Infinity"), "line 2, column 49: found -Infinity, expected a finite"),
-            (strand(", \"length_m\": 1e999"), "line 2, column 53: number out of range"),
-            (strand(", \"length_m\": \"0.1\""), "invalid type: string \"0.1\", expected f64"),
-            (strand(", \"length_m\": 1, \"length_m\": 2"), "duplicate field `length_m`"),
-            (strand("").replace("[0,0,1]", "[0,1]"), "invalid length 2, expected an array of length 3"),
-            (strand("").replace("rest_curve_m", "rest"), "missing field `rest_curve_m`"),
+            (
+                strand(", \"length_m\": NaN"),
+                "line 2, column 49: strands[0].length_m: found NaN, expected a finite number",
+            ),
+            (
+                strand(", \"length_m\": -Infinity"),
+                "line 2, column 49: strands[0].length_m: found -Infinity, expected a finite",
+            ),
+            (strand(", \"length_m\": 1e999"), "line 2, column 53: strands[0].length_m: number out of range"),
+            (
+                strand(", \"length_m\": \"0.1\""),
+                "strands[0].length_m: invalid type: string \"0.1\", expected f64",
+            ),
+            (strand(", \"length_m\": 1, \"length_m\": 2"), "strands[0].length_m: duplicate field `length_m`"),
+            (
+                strand("").replace("[0,0,1]", "[0,1]"),
+                "strands[0].rest_curve_m: invalid length 2, expected an array of length 3",
+            ),
+            (strand("").replace("rest_curve_m", "rest"), ": strands[0]: missing field `rest_curve_m`"),
             ("{}".into(), "line 1, column 2: missing field `strands`"),
             ("[]".into(), "expected an object with a list of `strands`"),
-            (strand("}, {\"name\": \"a\""), "missing field `rest_curve_m`"),
+            (strand("}, {\"name\": \"a\""), ": strands[1] (strand a): missing field `rest_curve_m`"),
+            (
+                strand("}, {\"name\": \"a\", \"lock_width_m\": [1, 0]"),
+                "strands[1].lock_width_m (strand a): found 0 in a list",
+            ),
             (
                 strand(", \"name\": \"a\"}, {\"name\": \"a\", \"rest_curve_m\": []"),
-                "the name \"a\" a second time",
+                "strands[1].name: found the name \"a\" a second time",
             ),
-            ("{\"strands\": [".into(), "EOF while parsing"),
+            ("{\"strands\": [".into(), "strands[0]: EOF while parsing"),
+            ("{\"strands\": []} x".into(), "column 17: trailing characters"),
         ] {
             let error = read(text.as_bytes()).unwrap_err().to_string();
             assert!(error.contains(says), "{says}\n{error}");

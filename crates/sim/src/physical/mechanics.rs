@@ -68,9 +68,10 @@ impl Mechanics for Physical {
     /// At its own pace a strand can only be stepped alone; and explicit integrators do not stand the sticks without mass
     /// that follow a shorter strand's tip.
     fn lanes(options: &SimOptions) -> (Registers, Precision) {
-        match options.integrator() {
-            Integrator::Implicit | Integrator::ImplicitEuler => (Registers::widest(), options.precision),
-            _ => (Registers::Scalar, Precision::Double),
+        if options.has_single() {
+            (Registers::widest(), options.precision)
+        } else {
+            (Registers::Scalar, Precision::Double)
         }
     }
 

@@ -10,12 +10,16 @@ use tousle_pipeline::read_file;
 
 /// Reads the wind that was named.
 pub fn read(args: &ImportArgs, progress: &dyn Progress) -> anyhow::Result<ReadField> {
-    let endings: Vec<String> = args.wind.iter().map(|path| ending(path)).collect();
-    match (&args.wind[..], &endings[0][..]) {
-        (_, "vdb") if endings.iter().all(|e| e == "vdb") => vdbs(args, progress),
-        ([path], _) => npz(path, args),
+    match &args.wind[..] {
+        _ if is_vdb(args) => vdbs(args, progress),
+        [path] => npz(path, args),
         _ => bail!("found {} files, expected one .npz, or .vdb files only", args.wind.len()),
     }
+}
+
+/// Whether it is OpenVDB.
+pub fn is_vdb(args: &ImportArgs) -> bool {
+    args.wind.iter().all(|path| ending(path) == "vdb")
 }
 
 fn npz(path: &Path, args: &ImportArgs) -> anyhow::Result<ReadField> {

@@ -1,6 +1,7 @@
 use super::super::{name, quality, read_options};
 use crate::args::InspectArgs;
 use crate::commands::print_json;
+use crate::ui::Outcome;
 use anyhow::Context;
 use serde::Serialize;
 use std::fmt::Write;
@@ -17,9 +18,8 @@ struct WithQuality<'a> {
     quality: &'a QualityReport,
 }
 
-/// Tells what is in a capture file, and with a session how good it is.
-pub(super) fn run(args: &InspectArgs, bytes: &[u8], watch: &dyn Watch) -> anyhow::Result<()> {
-    quality::check_reports(&args.report)?;
+/// Tells what is in a capture file, and with a session how good it is: with loss where frames that it claims are not there.
+pub(super) fn run(args: &InspectArgs, bytes: &[u8], watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let summary = tousle_ingest::summarize(bytes)?;
     let prepared = args.session.as_ref().map(|session| prepared(args, bytes, session, watch)).transpose()?;
     if let Some(prepared) = &prepared {
@@ -36,7 +36,9 @@ pub(super) fn run(args: &InspectArgs, bytes: &[u8], watch: &dyn Watch) -> anyhow
             }
         }
     }
-    Ok(())
+    let Some(loss) = quality.and_then(QualityReport::loss) else { return Ok(Outcome::Fine) };
+    eprintln!("loss: {loss}");
+    Ok(Outcome::WithLoss)
 }
 
 fn prepared(args: &InspectArgs, bytes: &[u8], session: &Path, watch: &dyn Watch) -> anyhow::Result<Prepared> {

@@ -4,7 +4,7 @@ use crate::args::BodyArgs;
 use anyhow::{Context, bail};
 use std::path::Path;
 use std::sync::Arc;
-use tousle_core::{Assumption, Attachment, Body, Collider, Groom, HeadAxes, LengthUnit, Shape, UpAxis};
+use tousle_core::{Assumption, Attachment, Body, Collider, Groom, HeadAxes, LengthUnit, Shape};
 use tousle_mesh::{EDGE_M, Enclosed, MeshOptions, Region};
 use tousle_pipeline::{Watch, read_file};
 
@@ -49,10 +49,10 @@ fn enclosed(path: &Path, args: &BodyArgs, region: &Region) -> anyhow::Result<Opt
         bail!("found a file that does not end in .obj, expected an OBJ file");
     }
     let unit: LengthUnit = args.mesh_unit.context("no OBJ file states its unit: --mesh-unit")?;
-    let up: UpAxis = args.mesh_up.context("no OBJ file states its up axis: --mesh-up")?;
+    let up = args.mesh_up.context("no OBJ file states its up axis: --mesh-up")?;
     let mut axes = HeadAxes::usual(up);
     if let Some(forward) = args.mesh_forward {
-        axes.forward = forward.vector();
+        axes.forward = forward;
     }
     let mesh = tousle_mesh::read_mesh(&read_file(path)?, &MeshOptions { unit, axes })?;
     Ok(tousle_mesh::enclose(mesh, region, EDGE_M)?)

@@ -6,10 +6,11 @@ use serde::Serialize;
 use std::fmt;
 use tousle_core::{Groom, Pose, StrandMotion};
 use tousle_eff::Eff;
+use tousle_field::FieldLayer;
 use tousle_guide::{FollowError, Guides};
 use tousle_pipeline::Watch;
 use tousle_rod::Surface;
-use tousle_sim::{Keeper, SimOptions, SimReport, Simulation};
+use tousle_sim::{Integrator, Keeper, SimError, SimOptions, SimReport, Simulation, Simulator, Steps};
 
 /// The motion of all strands and how it came about.
 #[derive(Debug, Serialize)]
@@ -38,6 +39,33 @@ pub struct GuideReport {
     pub error: Option<FollowError>,
 }
 
+/// An integrator's limit is worth a warning from so many times the usual steps on. A step of an explicit integrator costs no
+/// less than one of the default, so the run then takes as many times as long, and seconds become minutes. What asks for
+/// fewer is the price that a comparison of integrators is ready to pay.
+const MANY: f64 = 10.0;
+
+/// Warns of a run that takes many times the usual steps because its integrator does not stand longer ones. Who names a step
+/// knows what it costs.
+fn warn_of_many_steps(
+    simulator: &Simulator<'_>,
+    layers: &[FieldLayer],
+    options: &SimOptions,
+) -> Result<(), SimError> {
+    let integrator = options.integrator();
+    if !integrator.is_limited() || options.dt_secs.is_some() {
+        return Ok(());
+    }
+    let Steps { per_second, in_all, unlimited_per_second, limit } = simulator.steps(layers)?;
+    if per_second > MANY * unlimited_per_second {
+        let (name, better) = (integrator.name(), Integrator::of(options.method)[0].name());
+        eprintln!(
+            "warning: {name} takes {per_second:.0} steps a second, {in_all} in all, as it stands none longer than {limit}; \
+             --integrator {better} stands every step and takes {unlimited_per_second:.0} a second"
+        );
+    }
+    Ok(())
+}
+
 /// Simulates a groom as the arguments want it: whole, or guides that the rest follows.
 pub fn simulate(
     eff: &Eff,
@@ -50,7 +78,9 @@ pub fn simulate(
     let run = |stage: &'static str, groom: &Groom| {
         let stage_keeper = resumable.map(|run| run.stage(stage));
         let keeper = stage_keeper.as_ref().map(|stage| stage as &dyn Keeper);
-        tousle_sim::simulate_kept(&eff.field, &eff.scene, groom, options, keeper, &*watch.stage(stage))
+        let simulator = Simulator::new(&eff.field, &eff.scene, groom, options)?;
+        warn_of_many_steps(&simulator, &eff.field.layers, options)?;
+        simulator.simulate_once(&eff.field.layers, keeper, &*watch.stage(stage))
     };
     let n_guides = args.guides.map(|n| n as usize).filter(|n| *n < groom.strands.len());
     let Some(n_guides) = n_guides else {

@@ -20,13 +20,9 @@ pub struct ShotHead {
 pub fn read_head(args: &SimulateArgs, eff: &Eff) -> anyhow::Result<Option<ShotHead>> {
     let Some(name) = &args.head else { return Ok(None) };
     let (path, prim) = split(name);
-    let is_usd = super::ending(&path).starts_with("usd");
-    if !is_usd && (args.head_axes.is_some() || args.head_start.is_some()) {
-        wrong!("--head-axes, --head-start: found poses in {}, expected a .usda file", path.display());
-    }
     let bytes = read_file(&path)?;
     let says = || format!("cannot read the head's poses {}", path.display());
-    if is_usd {
+    if is_usd(&path) {
         return read_usda(&bytes, prim, args, eff, &path).with_context(says).map(Some);
     }
     let poses = tousle_export::read_poses_npz(&bytes).with_context(says)?;
@@ -67,6 +63,11 @@ fn read_usda(
         assume("head: axes", value, "no USD file states them; --head-axes");
     }
     Ok(ShotHead { poses: read.poses, assumed })
+}
+
+/// Whether poses are those of a USD transform.
+pub fn is_usd(path: &Path) -> bool {
+    super::ending(path).starts_with("usd")
 }
 
 /// `FILE.usda:/World/Head` as file and prim.
