@@ -3,6 +3,7 @@ use super::setting::{MAX_RATE_HZ, Setting};
 use super::{Part, Sample};
 use crate::capture::failed;
 use crate::clock::least;
+use crate::way::unless_too_short;
 use crate::{BenchError, Curve, CurvePoint, Way, WorkPrecision};
 use tousle_core::{NoProgress, Progress, StrandMotion};
 use tousle_sim::{Method, SimError, SimOptions, Simulation, simulate};
@@ -62,11 +63,8 @@ pub(super) fn section(sample: Sample<'_>, progress: &dyn Progress) -> Result<Sec
 fn curve(sample: Sample<'_>, way: Way, reference: &StrandMotion) -> Result<Curve, SimError> {
     let limit_secs = way.limit_secs(sample.field, sample.scene, sample.groom)?;
     let point = |setting: Setting| {
-        let (simulation, secs) = match least(|| run(sample, way, setting)) {
-            // Single precision stands no shorter steps.
-            Err(SimError::TooShort { .. }) => return Ok(None),
-            result => result?,
-        };
+        let ran = unless_too_short(least(|| run(sample, way, setting)))?;
+        let Some((simulation, secs)) = ran else { return Ok(None) };
         let motion = &simulation.motion;
         let simulated_secs = motion.times_secs[motion.times_secs.len() - 1] - motion.times_secs[0];
         Ok::<_, SimError>(Some(CurvePoint {

@@ -1,6 +1,7 @@
 use super::Part;
 use super::report::Section;
 use crate::capture::failed;
+use crate::way::unless_too_short;
 use crate::worlds::{DOWN, groom, straight, uniform, vacuum};
 use crate::{BenchError, Cell, Curve, CurvePoint, Table, Way, WorkPrecision};
 use tousle_core::{Groom, NoProgress, Progress, Quantity, Strand, Vec3};
@@ -98,10 +99,9 @@ fn orders(progress: &dyn Progress) -> Result<(Table, Vec<Curve>), SimError> {
     for (k, way) in (0..).zip(&ways) {
         progress.at(k, ways.len() as u64);
         let (reference, _) = end(&world, at_rate(reference_way(*way), CONVERGED_HZ))?;
-        let point = |options: SimOptions| match end(&world, options) {
-            Ok((tip, steps)) => Ok(Some((distance_mm(tip, reference), steps))),
-            Err(SimError::Unstable { .. } | SimError::TooShort { .. }) => Ok(None),
-            Err(error) => Err(error),
+        let point = |options: SimOptions| match unless_too_short(end(&world, options)) {
+            Err(SimError::Unstable { .. }) => Ok(None),
+            ended => ended.map(|end| end.map(|(tip, steps)| (distance_mm(tip, reference), steps))),
         };
         let points: Vec<Option<(f64, f64)>> = if way.integrator == Integrator::Adaptive {
             let tolerances = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
