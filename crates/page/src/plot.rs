@@ -32,7 +32,7 @@ pub struct Series {
     pub name: String,
     /// The points. One that has no place on an axis (NaN; 0 or less on a logarithmic one) interrupts the curve.
     pub points: Vec<[f64; 2]>,
-    /// A word at each point, for instance the setting it stands for; may be shorter than `points`.
+    /// A word at each point, for instance the setting it stands for, or none; may be shorter than `points`.
     pub labels: Vec<String>,
     /// How it is drawn.
     pub style: SeriesStyle,
@@ -229,8 +229,8 @@ impl Series {
             }
         }
         for (point, label) in placed.iter().zip(&self.labels) {
-            let Some([x, y]) = point else { continue };
-            let (x, end) = if *x > frame.x.ends().1 - LABEL_ROOM { (x - 6.0, " end") } else { (x + 6.0, "") };
+            let Some([x, y]) = point.filter(|_| !label.is_empty()) else { continue };
+            let (x, end) = if x > frame.x.ends().1 - LABEL_ROOM { (x - 6.0, " end") } else { (x + 6.0, "") };
             let _ = writeln!(
                 svg,
                 "<text class=\"tick{end}\" x=\"{x:.1}\" y=\"{:.1}\">{}</text>",
