@@ -116,12 +116,11 @@ impl Setting {
                 READINGS.iter().position(|reading| *reading == paper.reading).map_or(f64::NAN, |k| k as f64)
             }
             ("markers", _, Worse::EverySecondMarker) => 0.5,
-            ("markers", ..) => 1.0,
+            ("markers", ..) | ("dirt", _, Worse::Not) => 1.0,
             ("locks", _, Worse::Locks(n)) => n as f64,
             ("locks", ..) => f64::INFINITY,
             ("noise", _, Worse::Noise(sd_m)) => 1e3 * sd_m,
             ("gaps", _, Worse::Gaps(share)) => share,
-            ("dirt", _, Worse::Not) => 1.0,
             _ => 0.0,
         }
     }
