@@ -72,7 +72,7 @@ impl WorkPrecision {
     /// The diagram, cost across and error up, both logarithmic.
     ///
     /// Points whose cost or error is not above 0 have no place on it; they are in the table all the same. A setting that
-    /// several curves go through is named once.
+    /// several curves go through is named once, and where there is no room for a name it is in the table alone.
     pub fn to_plot(&self) -> Plot {
         let axis = |label: &str| Axis { label: label.to_owned(), scale: Scale::Log10, ..Axis::default() };
         Plot {

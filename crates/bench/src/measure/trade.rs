@@ -115,7 +115,12 @@ impl<'a> Trade<'a> {
         if !self.means.iter().any(is_worse) {
             return Vec::new();
         }
-        let diagram = |off| self.diagram(off, Clock::Cpu, self.curves(&WORSE, off, Clock::Cpu));
+        let diagram = |off| {
+            let mut curves = self.curves(&WORSE, off, Clock::Cpu);
+            // A method of which nothing was made worse would only take the others' room.
+            curves.retain(|curve| curve.points.len() > 1);
+            self.diagram(off, Clock::Cpu, curves)
+        };
         vec![("motion".to_owned(), diagram(Off::Motion)), ("air".to_owned(), diagram(Off::Wind))]
     }
 
@@ -365,6 +370,7 @@ mod tests {
         assert_eq!(curve(&named[3].1, "physical: voxels"), [[4.5, 25.0], [2.5, 50.0], [1.5, 100.0]]);
         assert_eq!(named[0].1.curves.len(), 2, "noise is no choice");
         let [(_, motion), _] = &trade.worse()[..] else { panic!("expected two diagrams") };
+        assert_eq!(motion.curves.len(), 1, "nothing of the paper's was made worse");
         assert_eq!(curve(motion, "physical: noise"), [[5.0, 100.0], [5.0, 300.0]]);
         assert_eq!(trade.table().rows.len(), 5);
     }
