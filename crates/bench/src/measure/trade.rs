@@ -1,8 +1,11 @@
 //! Error against run time of the measured wind: curves through the settings that vary one thing of one method.
 
+mod axes;
+
 use super::{MeasureRow, Setting};
 use crate::stats::mean;
 use crate::{Baseline, Cell, Cost, Curve, CurvePoint, Table, WorkPrecision};
+use axes::{Clock, Off};
 
 /// What may be varied, as tables and as curves call it.
 type Kind = (&'static str, &'static str);
@@ -23,22 +26,6 @@ const WORSE: [Kind; 5] = [
     ("gaps", "gaps"),
     ("dirt", "dirt"),
 ];
-
-/// What an error is of.
-#[derive(Clone, Copy)]
-enum Off {
-    /// The other hairstyle's motion.
-    Motion,
-    /// The wind itself.
-    Wind,
-}
-
-/// Which clock a cost is read from.
-#[derive(Clone, Copy)]
-enum Clock {
-    Cpu,
-    Wall,
-}
 
 /// One setting on all captures.
 struct Mean<'a> {
@@ -100,7 +87,7 @@ impl<'a> Trade<'a> {
 
     /// What may be chosen, by method, in both clocks; each diagram with a name.
     pub fn choices(&self) -> Vec<(String, WorkPrecision)> {
-        let diagram = |off, clock| self.diagram(off, clock, self.curves(&CHOSEN, off, clock));
+        let diagram = |off, clock| self.diagram("by choices", off, clock, self.curves(&CHOSEN, off, clock));
         vec![
             ("motion".to_owned(), diagram(Off::Motion, Clock::Cpu)),
             ("motion-wall".to_owned(), diagram(Off::Motion, Clock::Wall)),
@@ -119,7 +106,7 @@ impl<'a> Trade<'a> {
             let mut curves = self.curves(&WORSE, off, Clock::Cpu);
             // A method of which nothing was made worse would only take the others' room.
             curves.retain(|curve| curve.points.len() > 1);
-            self.diagram(off, Clock::Cpu, curves)
+            self.diagram("made worse", off, Clock::Cpu, curves)
         };
         vec![("motion".to_owned(), diagram(Off::Motion)), ("air".to_owned(), diagram(Off::Wind))]
     }
@@ -131,11 +118,11 @@ impl<'a> Trade<'a> {
         }
         let curves =
             |off| self.means.iter().filter(|mean| mean.row.is_default()).map(move |m| self.each(m, off));
-        let diagram = |off| self.diagram(off, Clock::Cpu, curves(off).collect());
+        let diagram = |off| self.diagram("one by one", off, Clock::Cpu, curves(off).collect());
         vec![("motion".to_owned(), diagram(Off::Motion)), ("air".to_owned(), diagram(Off::Wind))]
     }
 
-    fn diagram(&self, off: Off, clock: Clock, curves: Vec<Curve>) -> WorkPrecision {
+    fn diagram(&self, how: &str, off: Off, clock: Clock, curves: Vec<Curve>) -> WorkPrecision {
         let mut captures: Vec<&str> = self.rows.iter().map(|row| row.capture.as_str()).collect();
         captures.dedup();
         let of = match captures.as_slice() {
@@ -143,7 +130,7 @@ impl<'a> Trade<'a> {
             all => format!("{} captures", all.len()),
         };
         let diagram = WorkPrecision {
-            title: format!("{of}: {}", off.title()),
+            title: format!("{of}, {how}: {} against {}", off.title(), clock.name()),
             cost: clock.label().to_owned(),
             error: off.label().to_owned(),
             curves,
@@ -243,49 +230,11 @@ impl<'a> Mean<'a> {
     }
 }
 
-impl Off {
-    fn of(self, row: &MeasureRow) -> f64 {
-        match self {
-            Self::Motion => 1.0 - row.motion.points.explained_motion,
-            Self::Wind => row.field.hair.map_or(f64::NAN, |score| score.vector_error),
-        }
-    }
-
-    fn title(self) -> &'static str {
-        match self {
-            Self::Motion => "style B in the measured wind",
-            Self::Wind => "the measured wind, or force, where hair was",
-        }
-    }
-
-    fn label(self) -> &'static str {
-        match self {
-            Self::Motion => "unexplained motion",
-            Self::Wind => "rms error over rms of the truth",
-        }
-    }
-}
-
-impl Clock {
-    fn secs(self, cost: &Cost) -> f64 {
-        match self {
-            Self::Cpu => cost.secs(),
-            Self::Wall => cost.wall_secs,
-        }
-    }
-
-    fn label(self) -> &'static str {
-        match self {
-            Self::Cpu => "CPU s a capture",
-            Self::Wall => "wall s a capture",
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{FieldScore, MotionScore, PointScore, VectorScore};
+    use std::collections::BTreeSet;
 
     /// A run that costs so many seconds of a processor and half of that of the wall's, with an explained motion.
     fn row(
@@ -373,6 +322,9 @@ mod tests {
         assert_eq!(motion.curves.len(), 1, "nothing of the paper's was made worse");
         assert_eq!(curve(motion, "physical: noise"), [[5.0, 100.0], [5.0, 300.0]]);
         assert_eq!(trade.table().rows.len(), 5);
+        let titles = [trade.choices(), trade.worse(), trade.captures()].concat();
+        let titles: BTreeSet<String> = titles.into_iter().map(|(_, diagram)| diagram.title).collect();
+        assert_eq!(titles.len(), 8, "{titles:?}");
     }
 
     #[test]
