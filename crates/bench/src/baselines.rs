@@ -5,6 +5,7 @@
 
 use crate::TrueMotion;
 use serde::Serialize;
+use std::path::Path;
 use tousle_core::StrandMotion;
 
 /// How style B was predicted without measuring anything, or with everything known.
@@ -24,6 +25,17 @@ pub struct Baseline {
     pub explained_fluctuation: f64,
     /// Explained motion of the median lock.
     pub median_lock: f64,
+}
+
+impl Baseline {
+    /// Exact hair in the whole true wind, which is as near as anybody came.
+    pub const CEILING: &'static str = "whole true field";
+}
+
+/// What `BASELINES.md` in a folder of captures says; nothing if it is not there.
+pub(crate) fn baselines_beside(captures: &Path) -> Vec<Baseline> {
+    std::fs::read_to_string(captures.join("BASELINES.md"))
+        .map_or_else(|_| Vec::new(), |text| read_baselines(&text))
 }
 
 /// The rows about style B in the text of `BASELINES.md`: trivial predictors, then exact hair in a given wind.

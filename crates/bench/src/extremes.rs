@@ -9,6 +9,7 @@ mod check;
 
 pub use cases::{BadInput, Case, World, bad_inputs, cases};
 
+use crate::way::unless_too_short;
 use crate::worlds::nearest_m;
 use crate::{Cell, Table, Way};
 use check::flaw;
@@ -96,14 +97,13 @@ pub fn judge(case: &Case, way: Way) -> Verdict {
     // An adaptive integrator chooses its steps itself.
     let n_steps = if way.integrator == Integrator::Adaptive { 1 } else { STEPS_SECS.len() };
     for dt_secs in &STEPS_SECS[..n_steps] {
-        match run(case, way, *dt_secs) {
-            Ok(Verdict::Holds { deep }) => {
+        match unless_too_short(run(case, way, *dt_secs)) {
+            Ok(None) => {}
+            Ok(Some(Verdict::Holds { deep })) => {
                 deepest = deepest.into_iter().chain(deep).max_by(|a, b| a.m.total_cmp(&b.m));
             }
-            Ok(flawed) => return flawed,
+            Ok(Some(flawed)) => return flawed,
             Err(SimError::Unstable { limit_secs: limit, .. }) => limit_secs = limit_secs.min(limit),
-            // It is said before the run, and of all cases alike.
-            Err(SimError::TooShort { .. }) => {}
             Err(SimError::BlewUp { .. }) => return Verdict::Stopped { dt_secs: *dt_secs },
             Err(error) => return Verdict::Fails(error.to_string()),
         }

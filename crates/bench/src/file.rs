@@ -1,7 +1,7 @@
 //! What a field costs in a file: each way to pack it, beside `.npz` and `.vdb` of the same numbers.
 
 use crate::clock::least_secs;
-use crate::{Cell, Table};
+use crate::{Cell, Report, Section, Table};
 use std::io::Cursor;
 use tousle_core::NoProgress;
 use tousle_eff::{Eff, EffError, Encoding, ReadOptions, Reader, WriteOptions, read, validate, write};
@@ -28,9 +28,23 @@ pub enum FileBenchError {
     Vdb(#[from] VdbError),
 }
 
+/// What was found of fields, as [`rows`] puts it into a [`table`].
+pub fn report(table: Table) -> Report {
+    Report {
+        name: "file",
+        title: "Fields in files".to_owned(),
+        words: "Speeds are in bytes that the steps take in memory, by processor time of one thread, from and to memory."
+            .to_owned(),
+        sections: vec![Section {
+            name: "file".to_owned(),
+            tables: vec![(String::new(), table)],
+            ..Section::default()
+        }],
+        json: None,
+    }
+}
+
 /// A table with nothing in it: one row a field and a way to write it.
-///
-/// Speeds are in bytes that the steps take in memory, by processor time of one thread, from and to memory.
 pub fn table() -> Table {
     Table::new(
         "A field in a file",

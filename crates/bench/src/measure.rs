@@ -4,6 +4,7 @@
 mod calibration;
 mod report;
 mod setting;
+mod trade;
 mod worse;
 
 pub use calibration::Calibration;
@@ -13,8 +14,8 @@ pub use worse::Worse;
 
 use crate::capture::failed;
 use crate::{
-    BenchError, CaptureFolder, Cost, FieldScore, MotionScore, Stopwatch, TrueWind, resample_to_truth,
-    score_field, score_motion, sim_in_field, sim_to_the_end,
+    BenchError, CaptureFolder, Cost, FieldScore, MotionScore, Stopwatch, TrueWind, baselines_beside,
+    resample_to_truth, score_field, score_motion, sim_in_field, sim_to_the_end,
 };
 use serde::Serialize;
 use std::path::Path;
@@ -31,8 +32,12 @@ use tousle_sim::{Method, SimOptions};
 pub struct MeasureRow {
     /// The capture's name.
     pub capture: String,
-    /// What is varied: `method`, `dirt`, `choice`, `voxel`, `rate`, `refine`, `markers`, `locks`, `noise`, `gaps`.
+    /// The method's name: `paper`, `physical`, `physical --refine`.
+    pub method: &'static str,
+    /// What is varied: `method`, `dirt`, `choice`, `reading`, `voxel`, `rate`, `refine`, `markers`, `locks`, `noise`, `gaps`.
     pub varied: &'static str,
+    /// How much there is of what is varied ([`Setting::level`]).
+    pub level: f64,
     /// The setting in words.
     pub setting: String,
     /// What cleaning, fit and raster cost.
@@ -48,6 +53,18 @@ pub struct MeasureRow {
     pub refined: Option<RefineReport>,
     /// How honest the field's standard deviations are; `None` where it states none.
     pub calibration: Option<Calibration>,
+}
+
+impl MeasureRow {
+    /// Whether another is of the same setting, if perhaps of another capture.
+    fn is_set_as(&self, other: &Self) -> bool {
+        (self.method, self.varied, &self.setting) == (other.method, other.varied, &other.setting)
+    }
+
+    /// Whether it is of a method as it is by default.
+    fn is_default(&self) -> bool {
+        self.varied == Setting::AS_IT_IS
+    }
 }
 
 /// Extent of the grid, m: that of the truth.
@@ -86,7 +103,7 @@ pub fn run(
         }
     }
     progress.at(total, total);
-    Ok(MeasureReport { rows })
+    Ok(MeasureReport { rows, baselines: baselines_beside(captures) })
 }
 
 /// What is seen of a capture that was made worse, cleaned.
@@ -132,7 +149,9 @@ fn judge(
         score_field(&resample_to_truth(&field, wind), wind).map_err(failed(folder.name(), "scoring"))?;
     Ok(MeasureRow {
         capture: folder.name().to_owned(),
+        method: setting.method(),
         varied: setting.varied,
+        level: setting.level(),
         setting: setting.words.clone(),
         cost,
         motion: judged.score,

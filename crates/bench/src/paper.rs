@@ -5,7 +5,7 @@ mod report;
 use crate::capture::failed;
 use crate::{
     Baseline, BenchError, CaptureFolder, Cost, FieldScore, Judged, MotionScore, Stopwatch, TrueWind,
-    read_baselines, resample_to_truth, score_field, sim_in_field,
+    baselines_beside, resample_to_truth, score_field, sim_in_field,
 };
 use serde::Serialize;
 use std::path::Path;
@@ -102,10 +102,7 @@ pub fn run(
         }
     }
     progress.at(total, total);
-    let mut baselines = match std::fs::read_to_string(captures.join("BASELINES.md")) {
-        Ok(text) => read_baselines(&text),
-        Err(_) => Vec::new(),
-    };
+    let mut baselines = baselines_beside(captures);
     baselines.retain(|baseline| folders.iter().any(|folder| folder.name() == baseline.capture));
     Ok(PaperReport { rows, baselines })
 }

@@ -6,14 +6,11 @@
 mod converged;
 mod order;
 mod peers;
-mod report;
 mod setting;
 mod terms;
 mod true_wind;
 
-pub use report::{Section, SimBenchReport};
-
-use crate::{BenchError, Way, extremes};
+use crate::{BenchError, Report, Section, Way, extremes};
 use std::path::PathBuf;
 use tousle_core::{Groom, Progress};
 use tousle_field::{FieldSequence, Scene};
@@ -38,7 +35,7 @@ impl Part {
     /// Every part, in the order in which a page has them.
     pub const ALL: [Self; 5] = [Self::Truth, Self::Converged, Self::Order, Self::Extremes, Self::Terms];
 
-    /// The name used on the command line and for files.
+    /// The name used on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Order => "order",
@@ -47,6 +44,11 @@ impl Part {
             Self::Extremes => "extremes",
             Self::Terms => "terms",
         }
+    }
+
+    /// What its files begin with.
+    fn stem(self) -> String {
+        format!("sim-{}", self.name())
     }
 
     /// The part of a name that [`Part::name`] gives.
@@ -62,6 +64,8 @@ pub struct SimBenchOptions {
     pub parts: Vec<Part>,
     /// A folder of captures with their truth; without it there is no [`Part::Truth`].
     pub captures: Option<PathBuf>,
+    /// [`Part::Truth`]: the captures by name; empty for all.
+    pub names: Vec<String>,
     /// [`Part::Truth`]: what hair on the torso rubs on while the head moves.
     pub torso_grip: TorsoGrip,
 }
@@ -87,7 +91,7 @@ pub fn run(
     sample: Sample<'_>,
     options: &SimBenchOptions,
     progress: &dyn Progress,
-) -> Result<SimBenchReport, BenchError> {
+) -> Result<Report, BenchError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let section = |part: &Part| match part {
         Part::Order => order::section(progress),
@@ -97,12 +101,19 @@ pub fn run(
         Part::Terms => terms::section(progress),
     };
     let sections = options.parts.iter().map(|part| pool.install(|| section(part)));
-    Ok(SimBenchReport { sections: sections.collect::<Result<_, _>>()? })
+    Ok(Report {
+        name: "sim",
+        title: "The simulator, judged".to_owned(),
+        words: "Every integrator that it offers, each by its name; those of the paper's method begin with “paper”."
+            .to_owned(),
+        sections: sections.collect::<Result<_, _>>()?,
+        json: None,
+    })
 }
 
 fn extremes_section(progress: &dyn Progress) -> Section {
     Section {
-        name: Part::Extremes.name(),
+        name: Part::Extremes.stem(),
         title: "Stiff and extreme".to_owned(),
         words: format!(
             "Each case is run at steps of {}. It holds if every number is finite, no stick is stretched by 0.1 %, no \
@@ -114,6 +125,6 @@ fn extremes_section(progress: &dyn Progress) -> Section {
             extremes::STEPS_SECS.map(extremes::step_text).join(", ")
         ),
         tables: vec![(String::new(), extremes::table(&Way::all(), progress))],
-        diagrams: Vec::new(),
+        plots: Vec::new(),
     }
 }

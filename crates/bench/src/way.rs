@@ -78,3 +78,39 @@ impl Way {
         }
     }
 }
+
+/// What was simulated; `None` if the step is too short for the digits that are computed with.
+///
+/// The simulator says so before anything moves, of all hair alike, and no longer step is concerned: for who tries many steps
+/// such a one is left out, and is no failure.
+///
+/// # Errors
+/// Whatever else was refused or went wrong.
+pub(crate) fn unless_too_short<T>(simulated: Result<T, SimError>) -> Result<Option<T>, SimError> {
+    match simulated {
+        Err(SimError::TooShort { .. }) => Ok(None),
+        other => other.map(Some),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::worlds::{gusts, mannequin, wig};
+
+    /// Steps of 1/960 s: double precision stands them, single is left out, and what no way stands stays an error.
+    #[test]
+    fn only_steps_too_short_for_the_digits_are_left_out() {
+        let (field, scene, groom) = (gusts(), mannequin(), wig(1, 3));
+        let double = Way::default_of(Method::Physical);
+        let run = |way: Way, dt_secs| {
+            let options = SimOptions { dt_secs: Some(dt_secs), duration_secs: Some(0.1), ..way.options() };
+            unless_too_short(simulate(&field, &scene, &groom, &options, &NoProgress))
+        };
+        let single = Way { precision: Precision::Single, ..double };
+        assert!(run(double, 1.0 / 960.0).unwrap().is_some());
+        assert!(run(single, 1.0 / 960.0).unwrap().is_none());
+        assert!(run(single, 1.0 / 480.0).unwrap().is_some());
+        assert!(run(single, f64::NAN).is_err());
+    }
+}

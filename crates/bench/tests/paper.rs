@@ -15,7 +15,7 @@ fn every_reading_is_judged_beside_the_baselines() {
     let captures = if all { Vec::new() } else { vec!["steady_front".to_owned()] };
     let options = PaperBenchOptions { captures, ..PaperBenchOptions::default() };
     let report = run(&Path::new(&shared).join("captures"), &options, &NoProgress).unwrap();
-    eprintln!("{}", report.to_text());
+    eprintln!("{}", report.report().to_text());
     let of_one: Vec<&str> =
         report.rows.iter().filter(|r| r.capture == "steady_front").map(|r| r.wind.as_str()).collect();
     assert_eq!(of_one, ["first-frame", "sliding-window", "rest-pose", TRUE_WIND]);
@@ -27,5 +27,7 @@ fn every_reading_is_judged_beside_the_baselines() {
     let pendulum = report.baselines.iter().filter(|b| b.predictor == "pendulum");
     assert_eq!(pendulum.count() * 4, report.rows.len());
     assert_eq!(report.motion_table().rows.len(), report.rows.len() / 4 * 7);
-    assert!(report.to_html().contains("steady_front") && report.to_json().contains("explained_motion"));
+    let files = report.report().files("on 2 cores");
+    let has = |name: &str, words: &str| files.iter().any(|(file, text)| file == name && text.contains(words));
+    assert!(has("paper.html", "steady_front") && has("paper.json", "explained_motion"));
 }

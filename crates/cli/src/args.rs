@@ -4,7 +4,10 @@ mod bench;
 mod simulate;
 mod values;
 
-pub use bench::{BenchArgs, BenchCommand, BenchDirectArgs, BenchFileArgs, BenchSimArgs, BenchWindArgs};
+pub use bench::{
+    BenchAllArgs, BenchArgs, BenchCommand, BenchDirectArgs, BenchPaperArgs, BenchPart, BenchSimArgs,
+    BenchWindArgs,
+};
 pub use simulate::{BodyArgs, ShapeArg, SimulateArgs};
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
@@ -72,9 +75,8 @@ pub enum Command {
     Migrate(MigrateArgs),
     /// Do all of it on an embedded capture and show it on one page.
     Demo(DemoArgs),
-    /// Measure: error against run time.
-    #[command(subcommand)]
-    Bench(BenchCommand),
+    /// Measure: error against run time, all of it or a part.
+    Bench(BenchArgs),
 }
 
 /// `tousle convert`

@@ -92,12 +92,15 @@ pub fn all_said(outcome: Outcome) -> anyhow::Result<Outcome> {
     }
 }
 
-/// Says on stderr what failed and, line by line, why.
+/// Says on stderr what failed and why.
 pub fn print_error(error: &anyhow::Error) {
-    eprintln!("error: {error}");
-    for cause in error.chain().skip(1) {
-        eprintln!("  because {cause}");
-    }
+    eprintln!("error: {}", error_lines(error));
+}
+
+/// What failed and, line by line, why.
+pub fn error_lines(error: &anyhow::Error) -> String {
+    let causes = error.chain().skip(1).map(|cause| format!("\n  because {cause}"));
+    std::iter::once(error.to_string()).chain(causes).collect()
 }
 
 /// Progress bars on stderr, one a stage; nothing where stderr is no terminal.

@@ -18,7 +18,7 @@ fn bench(options: &DirectBenchOptions) -> Option<DirectBenchReport> {
         return None;
     };
     let report = run(&Path::new(&shared).join("captures"), options, &NoProgress).expect("a bench");
-    eprintln!("{}", report.to_text());
+    eprintln!("{}", report.report().to_text());
     Some(report)
 }
 

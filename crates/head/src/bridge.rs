@@ -67,7 +67,9 @@ fn pretended(has_pose: &[bool], gap: &Range<usize>, rate_hz: f64) -> Vec<Range<u
     let starts = gap.start.saturating_sub(near + gap.len()).max(1)..=gap.end + near;
     let all: Vec<_> = starts
         .map(|start| start..start + gap.len())
-        .filter(|pretended| pretended.end < has_pose.len() && has_pose[pretended.clone()].iter().all(|has| *has))
+        .filter(|pretended| {
+            pretended.end < has_pose.len() && has_pose[pretended.clone()].iter().all(|has| *has)
+        })
         .collect();
     let stride = all.len() / PRETENDED + 1;
     all.into_iter().step_by(stride).collect()

@@ -72,7 +72,8 @@ pub(crate) fn pose_track(
     let half = options.window_secs.map_or_else(|| best_half(&known, rate_hz), |secs| half(secs, rate_hz));
     let bridges = bridges(&known, rate_hz);
     let mut all_within = known.clone();
-    all_within.extend(bridges.iter().flat_map(|bridge| bridge.frames.clone().zip(bridge.poses.iter().copied())));
+    all_within
+        .extend(bridges.iter().flat_map(|bridge| bridge.frames.clone().zip(bridge.poses.iter().copied())));
     all_within.sort_by_key(|(frame, _)| *frame);
     let (first, last) = (all_within[0].0, all_within[all_within.len() - 1].0);
     let smooth: Vec<Pose> =

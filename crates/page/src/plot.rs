@@ -1,9 +1,11 @@
 mod axis;
+mod label;
 
 pub use axis::{Axis, Scale};
 
 use crate::escape;
 use axis::Placed;
+use label::Labels;
 use std::fmt::Write;
 
 /// Curves over an axis, drawn as SVG.
@@ -32,7 +34,8 @@ pub struct Series {
     pub name: String,
     /// The points. One that has no place on an axis (NaN; 0 or less on a logarithmic one) interrupts the curve.
     pub points: Vec<[f64; 2]>,
-    /// A word at each point, for instance the setting it stands for; may be shorter than `points`.
+    /// A word at each point, for instance the setting it stands for, or none; may be shorter than `points`. Where other words
+    /// leave it no room it is left out.
     pub labels: Vec<String>,
     /// How it is drawn.
     pub style: SeriesStyle,
@@ -60,9 +63,6 @@ const LEGEND_LINE: f64 = 18.0;
 
 /// How many colors the style sheet has; later series begin again with the first, dashed.
 const N_COLORS: usize = 8;
-
-/// Labels that would end farther right than this before the drawing area's end stand left of their points, px.
-const LABEL_ROOM: f64 = 110.0;
 
 /// The style sheet of a page that shows plots.
 pub const PLOT_STYLE: &str = include_str!("../assets/css/plot.css");
@@ -99,8 +99,10 @@ impl Plot {
              {first}<title>{title}</title>\n"
         );
         svg.push_str(&self.ticks(&frame));
+        let (bottom, top) = frame.y.ends();
+        let mut labels = Labels::new([left, right, top, bottom]);
         for (k, series) in self.series.iter().enumerate() {
-            svg.push_str(&series.svg(&class(k), &frame));
+            svg.push_str(&series.svg(&class(k), &frame, &mut labels));
         }
         svg.push_str(&self.legend(&frame));
         svg.push_str("</svg>\n");
@@ -170,8 +172,7 @@ impl Plot {
         let [mut x, mut y] = [left, LEGEND_LINE - 4.0];
         let named = self.series.iter().filter(|s| !s.name.is_empty());
         let place = |series: &Series| {
-            // Text cannot be measured here; 6.4 px is the width of a letter at 11.5 px, with some to spare.
-            let room = 38.0 + 6.4 * series.name.chars().count() as f64;
+            let room = 38.0 + text_width(&series.name);
             if x > left && x + room > width - right {
                 [x, y] = [left, y + LEGEND_LINE];
             }
@@ -202,7 +203,7 @@ impl Plot {
 }
 
 impl Series {
-    fn svg(&self, class: &str, frame: &Frame) -> String {
+    fn svg(&self, class: &str, frame: &Frame, labels: &mut Labels) -> String {
         let mut svg = format!("<g class=\"{class}\">\n");
         let placed: Vec<Option<[f64; 2]>> =
             self.points.iter().map(|p| Some([frame.x.at(p[0])?, frame.y.at(p[1])?])).collect();
@@ -229,18 +230,25 @@ impl Series {
             }
         }
         for (point, label) in placed.iter().zip(&self.labels) {
-            let Some([x, y]) = point else { continue };
-            let (x, end) = if *x > frame.x.ends().1 - LABEL_ROOM { (x - 6.0, " end") } else { (x + 6.0, "") };
+            let Some(point) = point.filter(|_| !label.is_empty()) else { continue };
+            let Some(place) = labels.place(point, label) else { continue };
+            let end = if place.is_left { " end" } else { "" };
             let _ = writeln!(
                 svg,
-                "<text class=\"tick{end}\" x=\"{x:.1}\" y=\"{:.1}\">{}</text>",
-                y - 6.0,
+                "<text class=\"tick{end}\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+                place.x,
+                place.y,
                 escape(label)
             );
         }
         svg.push_str("</g>\n");
         svg
     }
+}
+
+/// About how wide a text is, px: it cannot be measured here; 6.4 px is the width of a letter at 11.5 px, with some to spare.
+fn text_width(text: &str) -> f64 {
+    6.4 * text.chars().count() as f64
 }
 
 /// The style sheet's class of a series by its place in the plot.

@@ -45,7 +45,12 @@ fn head() -> HeadReport {
     let residual = |f: usize| (!(40..50).contains(&f)).then_some(3e-4);
     HeadReport {
         markers: vec![marker("LFHD", true), marker("LNCK", false)],
-        without_pose: vec![PoseGap { span: span(141, 150), n_visible: 2, why: "too few", bridged_to_m: None }],
+        without_pose: vec![PoseGap {
+            span: span(141, 150),
+            n_visible: 2,
+            why: "too few",
+            bridged_to_m: None,
+        }],
         labels_mended: vec![LabelMended {
             label: "LFHD".to_owned(),
             marker: "NOSE".to_owned(),

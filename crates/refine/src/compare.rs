@@ -2,7 +2,7 @@
 
 use crate::Measured;
 use crate::report::Round;
-use tousle_core::{StrandMotion, Vec3};
+use tousle_core::{StrandMotion, Track, Vec3};
 use tousle_field::FieldSequence;
 
 /// Simulated markers, and how far the seen ones are from them.
@@ -12,6 +12,8 @@ pub(crate) struct Compared {
     /// The field that they were simulated in.
     pub(crate) field: FieldSequence,
     frame_rate_hz: f64,
+    /// By lock of the session: how far its markers went from where they were seen first, root mean square, m.
+    went_m: Vec<Option<f64>>,
     /// By lock of the session, marker and frame: seen less simulated, head space, m; `None` where no camera saw it, or before
     /// anything moved.
     off_m: Vec<Vec<Vec<Option<Vec3>>>>,
@@ -39,7 +41,24 @@ pub(crate) fn compare(measured: &Measured<'_>, markers: StrandMotion, field: Fie
             .map(|marker| (0..head.n_frames()).map(|frame| off(marker, frame)).collect())
             .collect();
     }
-    Compared { markers, field, frame_rate_hz: head.rate_hz, off_m }
+    let mut went_m = vec![None; off_m.len()];
+    for strand in &head.strands {
+        went_m[strand.strand_idx] = went(&strand.markers, from);
+    }
+    Compared { markers, field, frame_rate_hz: head.rate_hz, went_m, off_m }
+}
+
+/// How far markers went from where they were seen first from a frame on, root mean square, m.
+fn went(markers: &[Track], from: usize) -> Option<f64> {
+    let (mut n, mut sum) = (0, 0.0);
+    for track in markers {
+        let mut seen = (from..track.n_frames()).filter_map(|frame| track.at(frame));
+        let Some(first) = seen.next() else { continue };
+        for place in seen {
+            (n, sum) = (n + 1, sum + (place - first).norm_squared());
+        }
+    }
+    (n > 0).then(|| (sum / f64::from(n)).sqrt())
 }
 
 impl Compared {
@@ -56,6 +75,13 @@ impl Compared {
             (!logs.is_empty()).then(|| libm::exp(logs.iter().sum::<f64>() / logs.len() as f64))
         };
         Round { seen_m: mean(false).unwrap_or(f64::INFINITY), held_out_m: mean(true) }
+    }
+
+    /// How far the locks are off over how far they went: geometric mean over locks. 1 is as good as never moving.
+    pub(crate) fn share_of_motion(&self) -> f64 {
+        let share = |idx: usize| Some(self.rms_m(idx)? / self.went_m[idx]?.max(1e-5));
+        let logs: Vec<f64> = (0..self.off_m.len()).filter_map(share).map(libm::log).collect();
+        libm::exp(logs.iter().sum::<f64>() / logs.len().max(1) as f64)
     }
 
     /// Root mean square over a lock's markers and frames; `None` if nothing of it was seen.

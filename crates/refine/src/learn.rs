@@ -28,23 +28,22 @@ const LONGEST_STEP: f64 = 0.4;
 /// seen. In: what the locks are taken for now, by lock of the session; the seen markers beside the simulated ones; the markers
 /// when all locks are stiffer, and when all are wider, by [`TRIED`].
 ///
-/// Locks that are held out are not asked: they take the wig's common stiffness.
+/// Locks that are held out are not asked: they take the wig's common stiffness. `likely`: what all locks are taken for before
+/// any is asked.
 pub(crate) fn learn(
     measured: &Measured<'_>,
+    likely: Scales,
     now: &[Scales],
     compared: &Compared,
     changed: [&StrandMotion; 2],
     held_out: &[usize],
 ) -> Vec<Scales> {
     let n = now.len();
-    // Logarithms: stiffness of all locks, then drag of all.
-    let logs =
-        DVector::from_fn(
-            2 * n,
-            |i, _| {
-                if i < n { libm::log(now[i].stiffness) } else { libm::log(now[i - n].drag) }
-            },
-        );
+    // Logarithms of what they are over what is likely: stiffness of all locks, then drag of all.
+    let log = |i: usize| {
+        if i < n { now[i].stiffness / likely.stiffness } else { now[i - n].drag / likely.drag }
+    };
+    let logs = DVector::from_fn(2 * n, |i, _| libm::log(log(i)));
     let mut information = prior(n);
     let mut pull = &information * -&logs;
     for idx in (0..n).filter(|idx| !held_out.contains(idx)) {
@@ -60,8 +59,8 @@ pub(crate) fn learn(
     let step = factor.solve(&pull).map(|s| s.clamp(-LONGEST_STEP, LONGEST_STEP));
     (0..n)
         .map(|i| Scales {
-            stiffness: libm::exp(logs[i] + step[i]),
-            drag: libm::exp(logs[n + i] + step[n + i]),
+            stiffness: likely.stiffness * libm::exp(logs[i] + step[i]),
+            drag: likely.drag * libm::exp(logs[n + i] + step[n + i]),
         })
         .collect()
 }

@@ -5,12 +5,14 @@
 //! (`learn`). What the balance of moments leaves over of a motion that is known to be in balance: smoothing, splines and
 //! contacts, which is taken off the balance of the seen motion ([`tousle_fit::defects`]), as in the defect correction of
 //! differential equations (H. J. Stetter, "The defect correction principle", *Numerische Mathematik* 29, 1978). And the wind,
-//! which is then measured anew. Locks that are held out say when to stop.
+//! which is then measured anew. Locks that are held out say when to stop. A wig that is far off is first looked for among much
+//! stiffer and softer ones (`stiffness`).
 
 mod compare;
 mod learn;
 mod report;
 mod rounds;
+mod stiffness;
 mod wig;
 
 pub use report::{RefineReport, Round};
@@ -134,8 +136,9 @@ fn with_all(
     most_rounds: usize,
     progress: &dyn Progress,
 ) -> Result<Refined, RefineError> {
-    let mut turn = Turn::known(first);
-    let first = around.compare(&turn)?;
+    let turn = Turn::known(first);
+    let compared = around.compare(&turn)?;
+    let (mut turn, first) = stiffness::sought(around, turn, compared, &[])?;
     let mut rounds = vec![first.round(&[])];
     let mut compared = Some(first);
     let mut kept = 0;
@@ -151,7 +154,7 @@ fn with_all(
         }
     }
     progress.at(most_rounds as u64, most_rounds as u64);
-    let report = RefineReport { held_out: Vec::new(), rounds, kept };
+    let report = RefineReport { held_out: Vec::new(), stiffness: turn.likely.stiffness, rounds, kept };
     Ok(Refined { fit: turn.fit, field: compared.map(|compared| compared.field), report })
 }
 
@@ -170,8 +173,10 @@ fn with_some_held_out(
     }
     let held_out = wig::every(around.wig, every.get());
     let total = (2 * most_rounds + 1) as u64;
-    let mut turn = Turn::first(around, &held_out)?;
-    let mut compared = around.compare(&turn)?;
+    let turn = Turn::first(around, &held_out)?;
+    let compared = around.compare(&turn)?;
+    let (mut turn, mut compared) = stiffness::sought(around, turn, compared, &held_out)?;
+    let stiffness = turn.likely.stiffness;
     let mut rounds = vec![compared.round(&held_out)];
     for round in 0..most_rounds {
         progress.at(round as u64 + 1, total);
@@ -181,13 +186,15 @@ fn with_some_held_out(
     }
     drop(compared);
     let kept = report::best(&rounds);
-    let mut turn = Turn::known(first);
+    let is_likely = stiffness == 1.0;
+    let mut turn = if is_likely { Turn::known(first) } else { around.with_stiffness(stiffness, &[])? };
     for round in 0..kept {
         progress.at((most_rounds + round) as u64 + 1, total);
         turn = around.again(&turn, around.compare(&turn)?, &[])?;
     }
     progress.at(total, total);
     let name = |idx: &usize| around.measured.session.strands[*idx].name.clone();
-    let report = RefineReport { held_out: held_out.iter().map(name).collect(), rounds, kept };
+    let held_out = held_out.iter().map(name).collect();
+    let report = RefineReport { held_out, stiffness, rounds, kept };
     Ok(Refined { fit: turn.fit, field: None, report })
 }

@@ -5,6 +5,9 @@ use serde::Serialize;
 pub struct RefineReport {
     /// The locks that were held out to say when to stop.
     pub held_out: Vec<String>,
+    /// How many times as stiff as is likely of such hair all locks were taken for, before any was asked by itself: 1 unless the
+    /// simulated wig was far off.
+    pub stiffness: f64,
     /// Before the first round, and after each; with some locks held out, if any were.
     pub rounds: Vec<Round>,
     /// Rounds that were gone with all locks and kept: 0 means that the wind is as it was measured.
@@ -68,6 +71,7 @@ mod tests {
     fn a_wig_that_moves_otherwise_is_doubted() {
         let report = |kept: usize, rounds: &[f64]| RefineReport {
             held_out: Vec::new(),
+            stiffness: 1.0,
             rounds: rounds.iter().map(|m| Round { seen_m: *m, held_out_m: None }).collect(),
             kept,
         };

@@ -19,13 +19,15 @@ pub(crate) struct Loop<'a> {
 /// A wind, and what the locks were made of when it was measured.
 pub(crate) struct Turn {
     pub(crate) fit: Fit,
+    /// What all locks are taken for before any is asked by itself.
+    pub(crate) likely: Scales,
     scales: Vec<Scales>,
 }
 
 impl Turn {
     /// A wind measured without any lesson.
     pub(crate) fn known(fit: Fit) -> Self {
-        Self { fit, scales: Vec::new() }
+        Self { fit, likely: Scales::default(), scales: Vec::new() }
     }
 
     /// The same measured without some locks.
@@ -60,7 +62,19 @@ impl Loop<'_> {
             taught.air = Some(air.without_covariances());
         }
         drop(compared);
-        Ok(Turn { fit: self.fit(&taught, held_out)?, scales: taught.scales })
+        Ok(Turn { fit: self.fit(&taught, held_out)?, likely: turn.likely, scales: taught.scales })
+    }
+
+    /// The wind measured anew with all locks of one wig stiffer, or softer, than is likely.
+    pub(crate) fn with_stiffness(&self, stiffness: f64, held_out: &[usize]) -> Result<Turn, RefineError> {
+        let likely = Scales { stiffness, ..Scales::default() };
+        let taught = Taught { scales: vec![likely; self.n_locks()], ..Taught::default() };
+        Ok(Turn { fit: self.fit(&taught, held_out)?, likely, scales: taught.scales })
+    }
+
+    /// Locks of the session.
+    fn n_locks(&self) -> usize {
+        self.measured.session.strands.len()
     }
 
     /// What the balance leaves over of the simulated locks, as far as they stand for the seen ones; nothing without air.
@@ -85,7 +99,7 @@ impl Loop<'_> {
         held_out: &[usize],
     ) -> Result<Vec<Scales>, RefineError> {
         let mut now = turn.scales.clone();
-        now.resize(self.measured.session.strands.len(), Scales::default());
+        now.resize(self.n_locks(), turn.likely);
         let answer = |change: &dyn Fn(&Scales) -> Scales| -> Result<_, RefineError> {
             let changed: Vec<Scales> = now.iter().map(change).collect();
             let groom = with_scales(self.wig, &changed);
@@ -94,7 +108,7 @@ impl Loop<'_> {
         let stiffer =
             answer(&|s| Scales { stiffness: s.stiffness * libm::exp(crate::learn::TRIED[0]), ..*s })?;
         let wider = answer(&|s| Scales { drag: s.drag * libm::exp(crate::learn::TRIED[1]), ..*s })?;
-        Ok(learn(self.measured, &now, compared, [&stiffer, &wider], held_out))
+        Ok(learn(self.measured, turn.likely, &now, compared, [&stiffer, &wider], held_out))
     }
 
     fn lay(&self, fit: &Fit) -> Result<FieldSequence, RefineError> {

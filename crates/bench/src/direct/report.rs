@@ -1,5 +1,5 @@
 use super::{DragEffect, HandRow, LiveRow, SeveralRow};
-use crate::{Cell, Table};
+use crate::{Cell, Report, Section, Table};
 use tousle_edit::KeyEffect;
 
 /// Drags that were drawn, and what became of them.
@@ -226,17 +226,24 @@ impl DirectBenchReport {
         table
     }
 
-    /// All of it as text.
-    pub fn to_text(&self) -> String {
-        let several = [self.several_summary(), self.several_keys()];
-        let tables = [self.summary(), self.drags()]
-            .into_iter()
-            .chain(several)
-            .chain([self.live_table(), self.hand_table()]);
-        tables
-            .filter(|table| !table.rows.is_empty())
-            .map(|table| table.to_text())
-            .collect::<Vec<_>>()
-            .join("\n")
+    /// All of it.
+    pub fn report(&self) -> Report {
+        let tables = [
+            ("", self.summary()),
+            ("drags", self.drags()),
+            ("several", self.several_summary()),
+            ("several-keys", self.several_keys()),
+            ("live", self.live_table()),
+            ("hand", self.hand_table()),
+        ];
+        let tables = tables.map(|(name, table)| (name.to_owned(), table)).into();
+        Report {
+            name: "direct",
+            title: "Directing, judged".to_owned(),
+            words: "Drags drawn at random on captured wigs, within what their locks can reach: by the paper's E4, and solved for."
+                .to_owned(),
+            sections: vec![Section { name: "direct".to_owned(), tables, ..Section::default() }],
+            json: None,
+        }
     }
 }

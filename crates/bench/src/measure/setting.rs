@@ -1,5 +1,5 @@
 use super::Worse;
-use tousle_fit::{FitMethod, PaperOptions, PhysicalOptions};
+use tousle_fit::{FitMethod, PaperOptions, PaperReading, PhysicalOptions};
 use tousle_refine::RefineOptions;
 
 /// How the wind is measured, and on how good a capture.
@@ -21,30 +21,31 @@ pub struct Setting {
     pub worse: Worse,
 }
 
+/// The readings of E3, the literal one first.
+const READINGS: [PaperReading; 3] =
+    [PaperReading::FirstFrame, PaperReading::SlidingWindow, PaperReading::RestPose];
+
 impl Setting {
+    /// What is varied where nothing is but the method.
+    pub const AS_IT_IS: &'static str = "method";
+
     /// Both methods as they are by default, `physical` with locks held out, and on what perfect cameras would have seen.
     pub fn methods() -> Vec<Self> {
-        let paper = Self {
-            words: "paper".into(),
-            fit: FitMethod::Paper(PaperOptions::default()),
-            refine: None,
-            ..Self::usual()
-        };
-        let refined = Self {
-            words: "physical --refine".into(),
-            refine: Some(RefineOptions::default()),
-            ..Self::usual()
-        };
-        vec![paper, Self::usual(), refined, Self::of("dirt", "none".into(), Worse::Clean)]
+        vec![Self::paper(), Self::usual(), Self::refined(), Self::of("dirt", "none".into(), Worse::Clean)]
     }
 
-    /// The method `physical`, one thing varied at a time.
+    /// One thing varied at a time: first readings, voxels and rates of the method `paper`, then all that `physical` has.
     pub fn varied() -> Vec<Self> {
-        let edge =
-            |mm: f64| Self { edge_m: mm * 1e-3, ..Self::of("voxel", format!("{mm:.0} mm"), Worse::Not) };
-        let rate = |hz: f64| Self { rate_hz: hz, ..Self::of("rate", format!("{hz:.0} Hz"), Worse::Not) };
-        let mut settings: Vec<Self> = [10.0, 30.0, 60.0].map(edge).into();
-        settings.extend([15.0, 60.0].map(rate));
+        let default = PaperOptions::default().reading;
+        let of_paper = READINGS.into_iter().filter(|reading| *reading != default).map(|reading| Self {
+            varied: "reading",
+            words: format!("paper, {}", reading.name()),
+            fit: FitMethod::Paper(PaperOptions { reading, ..PaperOptions::default() }),
+            ..Self::paper()
+        });
+        let mut settings: Vec<Self> = of_paper.collect();
+        settings.extend(Self::finer_and_coarser(&Self::paper(), "paper, "));
+        settings.extend(Self::finer_and_coarser(&Self::usual(), ""));
         settings.push(Self { refine: None, ..Self::of("refine", "not at all".into(), Worse::Not) });
         settings.extend([1, 4].map(|rounds| Self {
             refine: Some(RefineOptions { rounds, ..RefineOptions::default() }),
@@ -85,13 +86,99 @@ impl Setting {
         ]
     }
 
+    /// The method's name: `paper`, `physical`, or with locks held out `physical --refine`.
+    pub fn method(&self) -> &'static str {
+        match (&self.fit, &self.refine) {
+            (FitMethod::Paper(_), _) => "paper",
+            (_, Some(RefineOptions { held_out: Some(_), .. })) => "physical --refine",
+            _ => "physical",
+        }
+    }
+
+    /// How much there is of what is varied, which puts settings in order: mm of voxels or noise, steps a second, rounds of the
+    /// closed loop, the share of a lock's markers, locks, the share of gaps.
+    pub fn level(&self) -> f64 {
+        self.level_of(self.varied)
+    }
+
+    /// How much a method as it is by default has of what is varied of it.
+    pub(super) fn usual_level(method: &str, varied: &str) -> f64 {
+        let usual = Self::methods().into_iter().find(|setting| setting.method() == method);
+        usual.map_or(f64::NAN, |usual| usual.level_of(varied))
+    }
+
+    fn level_of(&self, varied: &str) -> f64 {
+        match (varied, &self.fit, self.worse) {
+            ("voxel", ..) => 1e3 * self.edge_m,
+            ("rate", ..) => self.rate_hz,
+            ("refine", ..) => self.refine.as_ref().map_or(0.0, |refine| refine.rounds as f64),
+            ("reading", FitMethod::Paper(paper), _) => {
+                READINGS.iter().position(|reading| *reading == paper.reading).map_or(f64::NAN, |k| k as f64)
+            }
+            ("markers", _, Worse::EverySecondMarker) => 0.5,
+            ("markers", ..) | ("dirt", _, Worse::Not) => 1.0,
+            ("locks", _, Worse::Locks(n)) => n as f64,
+            ("locks", ..) => f64::INFINITY,
+            ("noise", _, Worse::Noise(sd_m)) => 1e3 * sd_m,
+            ("gaps", _, Worse::Gaps(share)) => share,
+            _ => 0.0,
+        }
+    }
+
+    /// The voxels and rates that a method is measured with besides its own.
+    fn finer_and_coarser(as_it_is: &Self, before: &str) -> Vec<Self> {
+        let edge = |mm: f64| Self {
+            varied: "voxel",
+            words: format!("{before}{mm:.0} mm"),
+            edge_m: mm * 1e-3,
+            ..as_it_is.clone()
+        };
+        let rate = |rate_hz: f64| Self {
+            varied: "rate",
+            words: format!("{before}{rate_hz:.0} Hz"),
+            rate_hz,
+            ..as_it_is.clone()
+        };
+        [10.0, 30.0, 60.0].map(edge).into_iter().chain([15.0, 60.0].map(rate)).collect()
+    }
+
+    fn paper() -> Self {
+        let fit = FitMethod::Paper(PaperOptions::default());
+        Self { words: "paper".into(), fit, refine: None, ..Self::usual() }
+    }
+
+    fn refined() -> Self {
+        let refine = Some(RefineOptions::default());
+        Self { words: "physical --refine".into(), refine, ..Self::usual() }
+    }
+
     fn usual() -> Self {
-        Self::of("method", "physical".into(), Worse::Not)
+        Self::of(Self::AS_IT_IS, "physical".into(), Worse::Not)
     }
 
     fn of(varied: &'static str, words: String, worse: Worse) -> Self {
         let fit = FitMethod::Physical(PhysicalOptions::default());
         let refine = Some(RefineOptions::quick());
         Self { varied, words, fit, refine, edge_m: 0.02, rate_hz: 30.0, worse }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Settings are told apart by method, what is varied and words; each has a level unlike its method's default.
+    #[test]
+    fn every_setting_has_a_place_of_its_own_beside_the_default() {
+        let settings = [Setting::methods(), Setting::varied()].concat();
+        for (k, setting) in settings.iter().enumerate() {
+            let is_same = |other: &Setting| {
+                (other.method(), other.varied, &other.words)
+                    == (setting.method(), setting.varied, &setting.words)
+            };
+            assert_eq!(settings.iter().position(is_same), Some(k), "{setting:?}");
+            let usual = Setting::usual_level(setting.method(), setting.varied);
+            assert_eq!(setting.level() == usual, setting.varied == Setting::AS_IT_IS, "{setting:?}");
+        }
     }
 }

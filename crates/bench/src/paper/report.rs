@@ -1,11 +1,10 @@
 //! The paper's figures as tables and a page.
 
 use super::{PaperReport, PaperRow, TRUE_WIND};
-use crate::{Baseline, Cell, FieldScore, MotionScore, Table, VectorScore};
-use tousle_page::Shell;
+use crate::{Baseline, Cell, FieldScore, MotionScore, Report, Section, Table, VectorScore};
 
 /// Trivial predictors, and what exact hair gets, as the baselines name them.
-const QUOTED: [&str; 3] = ["never moves", "pendulum", "whole true field"];
+const QUOTED: [&str; 3] = ["never moves", "pendulum", Baseline::CEILING];
 
 impl PaperReport {
     /// Style B against its truth: every run beside what the baselines give for the same capture.
@@ -124,34 +123,33 @@ impl PaperReport {
         table
     }
 
-    /// All tables, as a terminal shows them.
-    pub fn to_text(&self) -> String {
-        self.tables().iter().map(Table::to_text).collect::<Vec<_>>().join("\n")
+    /// All of it: the tables in the order motion, field, cost, and the summary, which stays in sight on a terminal.
+    pub fn report(&self) -> Report {
+        let tables = [
+            ("motion", self.motion_table()),
+            ("field", self.field_table()),
+            ("cost", self.cost_table()),
+            ("summary", self.summary_table()),
+        ];
+        let tables = tables.map(|(name, table)| (name.to_owned(), table)).into();
+        Report {
+            name: "paper",
+            title: "The 2008 method, judged".to_owned(),
+            words: "Style B is a hairstyle that nobody captured. It was simulated in the field made of each capture by each \
+                    reading of E3, and in the true wind. Explained motion: 1 − rms error / rms displacement from rest; 0 is \
+                    as good as never moving, 1 exact."
+                .to_owned(),
+            sections: vec![Section { name: "paper".to_owned(), tables, ..Section::default() }],
+            json: Some(self.to_json()),
+        }
     }
 
     /// All figures, for programs.
     ///
     /// # Panics
     /// Never: a report is made of strings, numbers and lists.
-    pub fn to_json(&self) -> String {
+    fn to_json(&self) -> String {
         serde_json::to_string_pretty(self).expect("a report is made of strings, numbers and lists")
-    }
-
-    /// A page of its own with all tables.
-    pub fn to_html(&self) -> String {
-        let [motion, field, cost, summary] = self.tables().map(|table| table.to_page().html());
-        let body = format!(
-            "<main>\n<h1>The 2008 method, judged</h1>\n<p>Style B is a hairstyle that nobody captured. It was \
-             simulated in the field made of each capture by each reading of E3, and in the true wind. Explained \
-             motion: 1 − rms error / rms displacement from rest; 0 is as good as never moving, 1 exact.</p>\n\
-             {summary}{motion}{field}{cost}</main>\n"
-        );
-        Shell { title: "tousle bench paper", body, ..Shell::default() }.html()
-    }
-
-    /// Motion, field, cost, and the summary, which stays in sight on a terminal.
-    pub fn tables(&self) -> [Table; 4] {
-        [self.motion_table(), self.field_table(), self.cost_table(), self.summary_table()]
     }
 
     fn captures(&self) -> Vec<&str> {
@@ -183,8 +181,8 @@ impl PaperReport {
 }
 
 fn quoted_row(quoted: &Baseline) -> Vec<Cell> {
-    let exact = if quoted.predictor == "whole true field" { "exact hair in the " } else { "" };
-    let name = format!("({exact}{})", quoted.predictor.replace("whole true field", TRUE_WIND));
+    let exact = if quoted.predictor == Baseline::CEILING { "exact hair in the " } else { "" };
+    let name = format!("({exact}{})", quoted.predictor.replace(Baseline::CEILING, TRUE_WIND));
     vec![
         Cell::text(&quoted.capture),
         Cell::text(name),

@@ -1,9 +1,9 @@
-use super::report::Section;
 use super::setting::{MAX_RATE_HZ, Setting};
 use super::{Part, Sample};
 use crate::capture::failed;
 use crate::clock::least;
-use crate::{BenchError, Curve, CurvePoint, Way, WorkPrecision};
+use crate::way::unless_too_short;
+use crate::{BenchError, Curve, CurvePoint, Section, Way, WorkPrecision};
 use tousle_core::{NoProgress, Progress, StrandMotion};
 use tousle_sim::{Method, SimError, SimOptions, Simulation, simulate};
 
@@ -37,8 +37,14 @@ pub(super) fn section(sample: Sample<'_>, progress: &dyn Progress) -> Result<Sec
             names.join("; ")
         ),
     };
+    let diagram = WorkPrecision {
+        title: format!("{}, against the converged solution", sample.name),
+        cost: "CPU s per simulated s".to_owned(),
+        error: "mean error, mm".to_owned(),
+        curves,
+    };
     Ok(Section {
-        name: Part::Converged.name(),
+        name: Part::Converged.stem(),
         title: "Against the converged solution of the same equations".to_owned(),
         words: format!(
             "{}: the mean distance, over all points but the roots and all frames, to the method's default integrator at \
@@ -46,27 +52,16 @@ pub(super) fn section(sample: Sample<'_>, progress: &dyn Progress) -> Result<Sec
              inertia, which the others leave out, so they come no nearer than that difference.{left_out}",
             sample.name
         ),
-        tables: Vec::new(),
-        diagrams: vec![(
-            String::new(),
-            WorkPrecision {
-                title: format!("{}, against the converged solution", sample.name),
-                cost: "CPU s per simulated s".to_owned(),
-                error: "mean error, mm".to_owned(),
-                curves,
-            },
-        )],
+        tables: vec![(String::new(), diagram.to_table())],
+        plots: vec![(String::new(), diagram.to_plot())],
     })
 }
 
 fn curve(sample: Sample<'_>, way: Way, reference: &StrandMotion) -> Result<Curve, SimError> {
     let limit_secs = way.limit_secs(sample.field, sample.scene, sample.groom)?;
     let point = |setting: Setting| {
-        let (simulation, secs) = match least(|| run(sample, way, setting)) {
-            // Single precision stands no shorter steps.
-            Err(SimError::TooShort { .. }) => return Ok(None),
-            result => result?,
-        };
+        let ran = unless_too_short(least(|| run(sample, way, setting)))?;
+        let Some((simulation, secs)) = ran else { return Ok(None) };
         let motion = &simulation.motion;
         let simulated_secs = motion.times_secs[motion.times_secs.len() - 1] - motion.times_secs[0];
         Ok::<_, SimError>(Some(CurvePoint {

@@ -1,8 +1,8 @@
 use super::Part;
-use super::report::Section;
 use crate::capture::failed;
+use crate::way::unless_too_short;
 use crate::worlds::{DOWN, groom, straight, uniform, vacuum};
-use crate::{BenchError, Cell, Curve, CurvePoint, Table, Way, WorkPrecision};
+use crate::{BenchError, Cell, Curve, CurvePoint, Section, Table, Way, WorkPrecision};
 use tousle_core::{Groom, NoProgress, Progress, Quantity, Strand, Vec3};
 use tousle_field::{FieldSequence, Scene};
 use tousle_sim::{Integrator, Method, Precision, SimError, SimOptions, simulate};
@@ -27,8 +27,14 @@ struct World {
 pub(super) fn section(progress: &dyn Progress) -> Result<Section, BenchError> {
     let (table, curves) = orders(progress).map_err(failed("one lock in gusts", "simulating"))?;
     let stiff = stiffness().map_err(failed("stiff hair in gusts", "simulating"))?;
+    let diagram = WorkPrecision {
+        title: "One lock in gusts: order".to_owned(),
+        cost: "steps a second".to_owned(),
+        error: "error of the tip, mm".to_owned(),
+        curves,
+    };
     Ok(Section {
-        name: Part::Order.name(),
+        name: Part::Order.stem(),
         title: "Order: how errors fall with the step".to_owned(),
         words: format!(
             "One lock of five sticks swings in gusts for 0.75 s; the error is that of its tip at the end, against \
@@ -38,15 +44,7 @@ pub(super) fn section(progress: &dyn Progress) -> Result<Section, BenchError> {
              sticks is off at any time within a second."
         ),
         tables: vec![(String::new(), table), ("stiff".to_owned(), stiff)],
-        diagrams: vec![(
-            String::new(),
-            WorkPrecision {
-                title: "One lock in gusts: order".to_owned(),
-                cost: "steps a second".to_owned(),
-                error: "error of the tip, mm".to_owned(),
-                curves,
-            },
-        )],
+        plots: vec![(String::new(), diagram.to_plot())],
     })
 }
 
@@ -98,10 +96,9 @@ fn orders(progress: &dyn Progress) -> Result<(Table, Vec<Curve>), SimError> {
     for (k, way) in (0..).zip(&ways) {
         progress.at(k, ways.len() as u64);
         let (reference, _) = end(&world, at_rate(reference_way(*way), CONVERGED_HZ))?;
-        let point = |options: SimOptions| match end(&world, options) {
-            Ok((tip, steps)) => Ok(Some((distance_mm(tip, reference), steps))),
-            Err(SimError::Unstable { .. } | SimError::TooShort { .. }) => Ok(None),
-            Err(error) => Err(error),
+        let point = |options: SimOptions| match unless_too_short(end(&world, options)) {
+            Err(SimError::Unstable { .. }) => Ok(None),
+            ended => ended.map(|end| end.map(|(tip, steps)| (distance_mm(tip, reference), steps))),
         };
         let points: Vec<Option<(f64, f64)>> = if way.integrator == Integrator::Adaptive {
             let tolerances = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7];

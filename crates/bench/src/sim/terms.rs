@@ -1,8 +1,7 @@
 use super::Part;
-use super::report::Section;
 use crate::capture::failed;
 use crate::worlds::{gusts, mannequin, wig};
-use crate::{BenchError, Cell, Table};
+use crate::{BenchError, Cell, Section, Table};
 use nalgebra::UnitQuaternion;
 use std::time::Instant;
 use tousle_core::{Body, Groom, NoProgress, Pose, PoseTrack, Progress, Vec3};
@@ -105,7 +104,7 @@ pub(super) fn section(progress: &dyn Progress) -> Result<Section, BenchError> {
         }
     }
     Ok(Section {
-        name: Part::Terms.name(),
+        name: Part::Terms.stem(),
         title: "What each term costs".to_owned(),
         words: format!(
             "{N_STRANDS} strands of 16 points in gusts of 3 m/s, {RATE_HZ} steps a second for a second, by default \
@@ -113,7 +112,7 @@ pub(super) fn section(progress: &dyn Progress) -> Result<Section, BenchError> {
              otherwise takes other iterations, so both are shown."
         ),
         tables: vec![(String::new(), table)],
-        diagrams: Vec::new(),
+        plots: Vec::new(),
     })
 }
 

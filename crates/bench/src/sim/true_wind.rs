@@ -1,12 +1,11 @@
 use super::peers::{PeerPoint, Peers};
-use super::report::Section;
 use super::setting::Setting;
 use super::{Part, SimBenchOptions};
 use crate::capture::failed;
 use crate::clock::TRIES;
 use crate::{
-    Baseline, BenchError, CaptureFolder, Cell, Curve, CurvePoint, Judged, Table, TrueWind, Way,
-    WorkPrecision, read_baselines, sim_in_field,
+    Baseline, BenchError, CaptureFolder, Cell, Curve, CurvePoint, Judged, Section, Table, TrueWind, Way,
+    WorkPrecision, baselines_beside, sim_in_field,
 };
 use tousle_core::Progress;
 use tousle_field::{FieldSequence, Scene};
@@ -29,16 +28,14 @@ pub(super) fn section(options: &SimBenchOptions, progress: &dyn Progress) -> Res
     let title = "Against independent truth: style B in the true wind".to_owned();
     let Some(captures) = &options.captures else {
         return Ok(Section {
-            name: Part::Truth.name(),
+            name: Part::Truth.stem(),
             title,
             words: "Skipped: no folder of captures was given (--captures).".to_owned(),
-            tables: Vec::new(),
-            diagrams: Vec::new(),
+            ..Section::default()
         });
     };
-    let folders = CaptureFolder::all(captures)?;
-    let baselines = std::fs::read_to_string(captures.join("BASELINES.md")).map(|text| read_baselines(&text));
-    let baselines = baselines.unwrap_or_default();
+    let folders = CaptureFolder::named(captures, &options.names)?;
+    let baselines = baselines_beside(captures);
     let peers = Peers::read();
     let mut runs = Vec::new();
     for (k, folder) in (0..).zip(&folders) {
@@ -47,7 +44,7 @@ pub(super) fn section(options: &SimBenchOptions, progress: &dyn Progress) -> Res
     }
     let names = folders.iter().map(CaptureFolder::name);
     Ok(Section {
-        name: Part::Truth.name(),
+        name: Part::Truth.stem(),
         title,
         words: format!(
             "Style B is a hairstyle of 60 locks that nobody captured; truth is what an independent engine computed for \
@@ -60,7 +57,9 @@ pub(super) fn section(options: &SimBenchOptions, progress: &dyn Progress) -> Res
             options.torso_grip.name()
         ),
         tables: vec![(String::new(), table(&runs, &peers))],
-        diagrams: names.map(|name| (name.to_owned(), diagram(name, &runs, &peers, &baselines))).collect(),
+        plots: names
+            .map(|name| (name.to_owned(), diagram(name, &runs, &peers, &baselines).to_plot()))
+            .collect(),
     })
 }
 
@@ -164,17 +163,12 @@ fn diagram(capture: &str, runs: &[Run], peers: &Peers, baselines: &[Baseline]) -
         })
         .collect();
     curves.extend(peers.curves(capture));
-    let ends = curves.iter().flat_map(|c| c.points.iter().map(|p| p.cost));
-    let (first, last) = ends.fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), c| (a.min(c), b.max(c)));
-    let ceiling = baselines.iter().find(|b| b.capture == capture && b.predictor == "whole true field");
-    curves.extend(ceiling.map(|ceiling| {
-        let at = |cost| CurvePoint { setting: String::new(), cost, error: 1.0 - ceiling.explained_motion };
-        Curve { points: vec![at(first), at(last)], ..Curve::named("ceiling".to_owned()) }
-    }));
-    WorkPrecision {
+    let ceiling = baselines.iter().find(|b| b.capture == capture && b.predictor == Baseline::CEILING);
+    let diagram = WorkPrecision {
         title: format!("{capture}: style B in the true wind"),
         cost: "CPU s per simulated s".to_owned(),
         error: "unexplained motion".to_owned(),
         curves,
-    }
+    };
+    diagram.with_level("ceiling", ceiling.map(|ceiling| 1.0 - ceiling.explained_motion))
 }

@@ -150,6 +150,10 @@ pub fn summary(report: &ConversionReport) -> String {
             1 => format!("after a round by {}", words(1)),
             kept => format!("after {kept} rounds by {}", words(kept)),
         };
+        if refined.stiffness != 1.0 {
+            let words = "times as stiff as hair of such weight is likely to be: else it does not move as it was seen to";
+            line("the wig", format!("was taken to be {:.2} {words}", refined.stiffness));
+        }
         line("refined", format!("the simulated wig was off by {}; {outcome}", words(0)));
     }
     let raster = &report.raster;

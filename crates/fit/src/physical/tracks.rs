@@ -22,7 +22,8 @@ impl Clock {
             .enumerate()
             .filter_map(|(frame, pose)| Some((frame, pose.as_ref()?.world_from_head)))
             .collect();
-        let poses = (!known.is_empty()).then(|| (0..head.n_frames()).map(|f| between(&known, f)).collect())?;
+        let poses =
+            (!known.is_empty()).then(|| (0..head.n_frames()).map(|f| between(&known, f)).collect())?;
         Some(Self { n_steps, rate_hz, poses, frame_rate_hz: head.rate_hz })
     }
 

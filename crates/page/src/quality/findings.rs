@@ -64,10 +64,13 @@ fn head(page: &QualityPage<'_>, found: &mut Vec<Finding>) {
     for gap in &page.head.without_pose {
         let (what_of_it, weight) = match gap.bridged_to_m {
             Some(0.0) => ("It stands still.".to_owned(), Weight::Changed),
-            Some(m) => (format!("Its pose is told from those around, to {:.1} mm.", m * 1e3), Weight::Changed),
-            None => {
-                ("The hair is not seen from the head there; its motion is bridged.".to_owned(), Weight::Serious)
+            Some(m) => {
+                (format!("Its pose is told from those around, to {:.1} mm.", m * 1e3), Weight::Changed)
             }
+            None => (
+                "The hair is not seen from the head there; its motion is bridged.".to_owned(),
+                Weight::Serious,
+            ),
         };
         let text = format!("No head pose in {}: {}. {what_of_it}", when(page, gap.span), gap.why);
         found.push(Finding { weight, text });
