@@ -74,7 +74,11 @@ impl Compared {
             let logs: Vec<f64> = locks.filter_map(|idx| self.rms_m(idx)).map(libm::log).collect();
             (!logs.is_empty()).then(|| libm::exp(logs.iter().sum::<f64>() / logs.len() as f64))
         };
-        Round { seen_m: mean(false).unwrap_or(f64::INFINITY), held_out_m: mean(true) }
+        Round {
+            seen_m: mean(false).unwrap_or(f64::INFINITY),
+            held_out_m: mean(true),
+            share_of_motion: self.share_of_motion(),
+        }
     }
 
     /// How far the locks are off over how far they went: geometric mean over locks. 1 is as good as never moving.
