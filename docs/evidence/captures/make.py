@@ -32,7 +32,7 @@ from wind import Wind
 
 LOCKS_AT_ONCE = 8
 """Locks in one simulation; contacts make the engine's time grow faster than their number."""
-STYLE_B_FILES = ("style_b.json", "truth/style_b.npz", "truth/wig_a.npz", "truth/field.npz")
+SHARED_FILES = ("style_b.json", "truth/style_b.npz", "truth/wig_a.npz", "truth/field.npz")
 """What captures of the same motion have in common; none of it depends on the cameras."""
 
 
@@ -61,7 +61,7 @@ def make(name: str, captures: Path) -> None:
         ]
         markers_m = np.concatenate(places, 1)
     else:
-        for file in STYLE_B_FILES:
+        for file in SHARED_FILES:
             shutil.copy(captures / config.motion_of / file, folder / file)
         with np.load(captures / config.motion_of / "truth/markers.npz") as there:
             markers_m = there["pos_head"][::every].astype(float)
