@@ -7,7 +7,8 @@ pub struct HeadCapture {
     pub rate_hz: f64,
     /// The number the file gives its first frame.
     pub first_frame: i64,
-    /// One pose a frame; `None` where too few head markers were seen.
+    /// One pose a frame, of the smooth track in which the locks are seen; `None` where too few head markers were seen and the
+    /// poses around do not tell it.
     pub poses: Vec<Option<HeadPose>>,
     /// The locks, in the session's order.
     pub strands: Vec<StrandTracks>,

@@ -3,6 +3,7 @@
 
 use crate::smooth::distance2;
 use nalgebra::{Cholesky, SMatrix, SVector, UnitQuaternion};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use tousle_core::{Pose, Vec3, runs};
 
@@ -48,17 +49,24 @@ pub(crate) fn bridges(known: &[(usize, Pose)], rate_hz: f64) -> Vec<Bridge> {
     let mut has_pose = vec![false; last + 1];
     known.iter().for_each(|(frame, _)| has_pose[*frame] = true);
     let gaps = runs(last + 1, |frame| !has_pose[frame]);
-    let within = gaps.into_iter().filter(|gap| gap.start > 0);
-    within.map(|gap| bridge(known, &has_pose, gap, rate_hz)).collect()
+    // Gaps as long in the same second have the same trials: a capture may miss every other frame for minutes.
+    let mut tried: BTreeMap<(usize, usize), (Curve, f64)> = BTreeMap::new();
+    let mut bridge = |gap: Range<usize>| {
+        let second = (gap.start as f64 / rate_hz) as usize;
+        let (curve, expected_error_m) =
+            *tried.entry((second, gap.len())).or_insert_with(|| best_curve(known, &has_pose, &gap, rate_hz));
+        let poses = foretold(known, &gap, curve, rate_hz);
+        Bridge { frames: gap, poses, expected_error_m }
+    };
+    gaps.into_iter().filter(|gap| gap.start > 0).map(&mut bridge).collect()
 }
 
-fn bridge(known: &[(usize, Pose)], has_pose: &[bool], gap: Range<usize>, rate_hz: f64) -> Bridge {
-    let trials = pretended(has_pose, &gap, rate_hz);
-    let error_m = |curve: &Curve| error_m(known, &trials, *curve, rate_hz);
-    let errors = CURVES.map(|curve| error_m(&curve).unwrap_or(f64::INFINITY));
+/// The curve that bridges pretended gaps best, and how far off it is there, m.
+fn best_curve(known: &[(usize, Pose)], has_pose: &[bool], gap: &Range<usize>, rate_hz: f64) -> (Curve, f64) {
+    let trials = pretended(has_pose, gap, rate_hz);
+    let errors = CURVES.map(|curve| error_m(known, &trials, curve, rate_hz).unwrap_or(f64::INFINITY));
     let best = (0..CURVES.len()).min_by(|&a, &b| errors[a].total_cmp(&errors[b])).unwrap_or(0);
-    let poses = foretold(known, &gap, CURVES[best], rate_hz);
-    Bridge { frames: gap, poses, expected_error_m: errors[best] }
+    (CURVES[best], errors[best])
 }
 
 /// Gaps of the same length in which the head was seen, near in time.
