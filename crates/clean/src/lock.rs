@@ -57,33 +57,38 @@ impl Locks {
         (self.markers[i].arc_m - self.markers[j].arc_m).abs()
     }
 
-    /// How badly these two markers' tracks fit the lengths of their locks: mean excess of distance over hair, m.
-    pub(crate) fn misfit(&self, tracks: &[Track], pair: [usize; 2]) -> f64 {
-        pair.iter().map(|&m| self.misfit_of(tracks, m, &tracks[m], &pair)).sum()
+    /// How much worse these two markers' tracks fit the lengths of their locks in some frames than exchanged: difference of mean
+    /// excesses of distance over hair, m.
+    pub(crate) fn better_swapped(&self, tracks: &[Track], [a, b]: [usize; 2], frames: &Range<usize>) -> f64 {
+        let misfit = |marker: usize, track: usize| {
+            self.misfit_of(tracks, marker, &tracks[track], &[a, b], frames.clone())
+        };
+        misfit(a, a) + misfit(b, b) - misfit(a, b) - misfit(b, a)
     }
 
-    /// The same with the two tracks exchanged.
-    pub(crate) fn misfit_swapped(&self, tracks: &[Track], [a, b]: [usize; 2]) -> f64 {
-        let pair = [a, b];
-        self.misfit_of(tracks, a, &tracks[b], &pair) + self.misfit_of(tracks, b, &tracks[a], &pair)
-    }
-
-    /// Over all frames, how much farther from (or nearer to) its neighbors a marker is than the hair between them says.
+    /// Over some frames, how much farther from (or nearer to) its neighbors a marker is than the hair between them says.
     ///
     /// Hair is nearly straight between two markers 3 cm apart: too near is as suspicious as too far.
-    fn misfit_of(&self, tracks: &[Track], marker: usize, track: &Track, left_out: &[usize]) -> f64 {
+    fn misfit_of(
+        &self,
+        tracks: &[Track],
+        marker: usize,
+        track: &Track,
+        left_out: &[usize],
+        frames: Range<usize>,
+    ) -> f64 {
         let neighbors = self.lock_of(marker).filter(|n| n.abs_diff(marker) == 1 && !left_out.contains(n));
         let mut excess = [0.0; 2];
         for neighbor in neighbors {
             let between_m = self.between_m(marker, neighbor);
-            for (p, q) in track.iter().zip(tracks[neighbor].iter()) {
-                let (Some(p), Some(q)) = (p, q) else { continue };
+            for frame in frames.clone() {
+                let (Some(p), Some(q)) = (track.at(frame), tracks[neighbor].at(frame)) else { continue };
                 excess[0] += ((p - q).norm() - between_m).abs();
                 excess[1] += 1.0;
             }
         }
         let from_root = (self.root_m(marker), self.markers[marker].arc_m);
-        for p in track.iter().flatten() {
+        for p in frames.filter_map(|frame| track.at(frame)) {
             excess[0] += ((p - from_root.0).norm() - from_root.1).max(0.0);
             excess[1] += 1.0;
         }

@@ -27,7 +27,7 @@ struct Exchange {
 /// For every break in a marker's motion, every other marker is asked whether both motions together are likelier
 /// with their continuations exchanged: by more than the number of such questions in the capture, so that
 /// `false_alarms` is how many wrong answers to expect. Which side of an exchange is the right one, the lengths
-/// of the locks decide.
+/// of the locks decide; also whether another exchange of the same pair hides in a gap of theirs, where no break shows.
 pub(crate) fn mend_swaps(
     tracks: &mut [Track],
     continuity: &Continuity<'_>,
@@ -40,14 +40,66 @@ pub(crate) fn mend_swaps(
     pairs.dedup();
     let mut swaps = Vec::new();
     for pair in pairs {
-        let of_pair: Vec<&Exchange> = exchanges.iter().filter(|e| e.markers == pair).collect();
-        let starts_swapped = locks.misfit_swapped(tracks, pair) < locks.misfit(tracks, pair);
+        let mut of_pair: Vec<Exchange> = exchanges.iter().filter(|e| e.markers == pair).cloned().collect();
+        let (starts_swapped, hidden) = sides(tracks, pair, &of_pair, locks);
         if starts_swapped {
             exchange_from(tracks, pair, 0);
         }
+        hidden.iter().for_each(|exchange| exchange_from(tracks, pair, exchange.frame));
+        of_pair.extend(hidden);
+        of_pair.sort_by_key(|exchange| exchange.frame);
         swaps.extend(spans(&of_pair, starts_swapped, tracks[0].n_frames()));
     }
     swaps
+}
+
+/// What it takes to believe that a pair changed sides in a gap, m times frames: that for a tenth of a second of 120 Hz the two
+/// are a centimeter farther from where their locks can be.
+const HIDDEN: f64 = 0.12;
+
+/// Whether a pair starts on the wrong side, and where it changes sides unseen: at the ends of their gaps. The least sum of what
+/// does not fit over the stretches between them (Viterbi's algorithm over the two sides).
+fn sides(tracks: &[Track], pair: [usize; 2], seen: &[Exchange], locks: &Locks) -> (bool, Vec<Exchange>) {
+    let n_frames = tracks[pair[0]].n_frames();
+    let comes_back = |frame: &usize| {
+        let is_seen = |frame: usize| pair.map(|marker| tracks[marker].at(frame).is_some());
+        let (before, now) = (is_seen(*frame - 1), is_seen(*frame));
+        (0..2).any(|k| now[k] && !before[k]) && seen.iter().all(|exchange| exchange.frame != *frame)
+    };
+    let mut starts: Vec<usize> = (1..n_frames).filter(comes_back).collect();
+    starts.insert(0, 0);
+    let stretch = |k: usize| starts[k]..starts.get(k + 1).copied().unwrap_or(n_frames);
+    let gain = |k: usize| locks.better_swapped(tracks, pair, &stretch(k)) * stretch(k).len() as f64;
+    // By stretch and side (as it is, exchanged): the least cost up to its end, and on which side the one before was.
+    let mut costs = [0.0, -gain(0)];
+    let mut came_from = vec![[0, 1]];
+    for k in 1..starts.len() {
+        let from =
+            [0, 1].map(|side: usize| if costs[1 - side] + HIDDEN < costs[side] { 1 - side } else { side });
+        let at =
+            [0, 1].map(|side: usize| if from[side] == side { costs[side] } else { costs[1 - side] + HIDDEN });
+        costs = [at[0], at[1] - gain(k)];
+        came_from.push(from);
+    }
+    let mut side = usize::from(costs[1] < costs[0]);
+    let mut hidden = Vec::new();
+    for k in (1..starts.len()).rev() {
+        let before = came_from[k][side];
+        if before != side {
+            let gain = gain(k).abs();
+            let jump_m = jump_m(tracks, pair, starts[k]);
+            let confidence = gain / (gain + HIDDEN);
+            hidden.push(Exchange { markers: pair, frame: starts[k], jump_m, confidence });
+        }
+        side = before;
+    }
+    (side == 1, hidden)
+}
+
+/// How far apart a pair is when one of them comes back, m: as far as both seem to jump.
+fn jump_m(tracks: &[Track], [a, b]: [usize; 2], frame: usize) -> f64 {
+    let seen = |track: &Track| (frame..track.n_frames()).find_map(|frame| track.at(frame));
+    seen(&tracks[a]).zip(seen(&tracks[b])).map_or(0.0, |(p, q)| (p - q).norm())
 }
 
 /// Walks through the frames once, exchanging what follows wherever that is likelier.
@@ -158,11 +210,11 @@ fn exchange_from(tracks: &mut [Track], [a, b]: [usize; 2], frame: usize) {
 }
 
 /// The spans in which the file's labels were wrong.
-fn spans(exchanges: &[&Exchange], starts_swapped: bool, n_frames: usize) -> Vec<Swap> {
+fn spans(exchanges: &[Exchange], starts_swapped: bool, n_frames: usize) -> Vec<Swap> {
     let mut swaps = Vec::new();
     let mut open: Option<(usize, &Exchange)> = None;
     if starts_swapped {
-        open = exchanges.first().map(|e| (0, *e));
+        open = exchanges.first().map(|e| (0, e));
     }
     for exchange in exchanges {
         match open.take() {

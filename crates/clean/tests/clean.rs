@@ -123,6 +123,25 @@ fn a_swap_is_mended_and_named() {
     assert_eq!(cleaned.samples[0][2][260].kind, SampleKind::Seen);
 }
 
+/// Both are out of sight where the exchange begins, for so long that any motion would do: only its end shows.
+#[test]
+fn a_swap_that_begins_in_a_gap_is_told_by_the_lock() {
+    let mut head = capture();
+    for f in 200..260 {
+        let a = head.strands[0].markers[2].at(f);
+        let b = head.strands[1].markers[1].at(f);
+        head.strands[0].markers[2].set(f, b);
+        head.strands[1].markers[1].set(f, a);
+    }
+    (190..214).for_each(|f| head.strands[0].markers[2].set(f, None));
+    (184..210).for_each(|f| head.strands[1].markers[1].set(f, None));
+    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    assert!(error(&cleaned.head, 0, 3, 0..N_FRAMES) < 2e-3, "{}", error(&cleaned.head, 0, 3, 0..N_FRAMES));
+    assert!(error(&cleaned.head, 1, 2, 0..N_FRAMES) < 2e-3, "{}", error(&cleaned.head, 1, 2, 0..N_FRAMES));
+    let [swap] = &cleaned.report.swaps[..] else { panic!("{:?}", cleaned.report.swaps) };
+    assert_eq!((swap.span.first_frame, swap.span.last_frame), (211, 260));
+}
+
 #[test]
 fn a_swap_from_the_first_frame_is_told_by_the_lock() {
     let mut head = capture();
