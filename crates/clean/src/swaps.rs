@@ -1,14 +1,17 @@
 //! Two markers that exchange labels: found where both motions break and each goes on as the other.
 
+use crate::gaps::gaps;
 use crate::lock::Locks;
 use crate::motion::{Continuity, least_cost};
+use std::collections::BTreeSet;
+use std::ops::Range;
 use tousle_core::Track;
 
 /// Labels exchanged in `frames` (from 0, the end excluded).
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Swap {
     pub markers: [usize; 2],
-    pub frames: std::ops::Range<usize>,
+    pub frames: Range<usize>,
     pub jump_m: f64,
     pub confidence: f64,
 }
@@ -61,24 +64,22 @@ const HIDDEN: f64 = 0.12;
 /// does not fit over the stretches between them (Viterbi's algorithm over the two sides).
 fn sides(tracks: &[Track], pair: [usize; 2], seen: &[Exchange], locks: &Locks) -> (bool, Vec<Exchange>) {
     let n_frames = tracks[pair[0]].n_frames();
-    let comes_back = |frame: &usize| {
-        let is_seen = |frame: usize| pair.map(|marker| tracks[marker].at(frame).is_some());
-        let (before, now) = (is_seen(*frame - 1), is_seen(*frame));
-        (0..2).any(|k| now[k] && !before[k]) && seen.iter().all(|exchange| exchange.frame != *frame)
-    };
-    let mut starts: Vec<usize> = (1..n_frames).filter(comes_back).collect();
-    starts.insert(0, 0);
-    let stretch = |k: usize| starts[k]..starts.get(k + 1).copied().unwrap_or(n_frames);
-    let gain = |k: usize| locks.better_swapped(tracks, pair, &stretch(k)) * stretch(k).len() as f64;
+    let is_hidden = |frame: &usize| *frame < n_frames && seen.iter().all(|exchange| exchange.frame != *frame);
+    let ends = pair.iter().flat_map(|&marker| gaps(&tracks[marker])).map(|gap| gap.end).filter(is_hidden);
+    let starts: BTreeSet<usize> = ends.chain([0]).collect();
+    let starts: Vec<usize> = starts.into_iter().collect();
+    let ends = starts.iter().skip(1).copied().chain([n_frames]);
+    let gain = |frames: Range<usize>| locks.better_swapped(tracks, pair, &frames) * frames.len() as f64;
+    let gains: Vec<f64> = starts.iter().zip(ends).map(|(start, end)| gain(*start..end)).collect();
     // By stretch and side (as it is, exchanged): the least cost up to its end, and on which side the one before was.
-    let mut costs = [0.0, -gain(0)];
+    let mut costs = [0.0, -gains[0]];
     let mut came_from = vec![[0, 1]];
-    for k in 1..starts.len() {
+    for gain in &gains[1..] {
         let from =
             [0, 1].map(|side: usize| if costs[1 - side] + HIDDEN < costs[side] { 1 - side } else { side });
         let at =
             [0, 1].map(|side: usize| if from[side] == side { costs[side] } else { costs[1 - side] + HIDDEN });
-        costs = [at[0], at[1] - gain(k)];
+        costs = [at[0], at[1] - gain];
         came_from.push(from);
     }
     let mut side = usize::from(costs[1] < costs[0]);
@@ -86,7 +87,7 @@ fn sides(tracks: &[Track], pair: [usize; 2], seen: &[Exchange], locks: &Locks) -
     for k in (1..starts.len()).rev() {
         let before = came_from[k][side];
         if before != side {
-            let gain = gain(k).abs();
+            let gain = gains[k].abs();
             let jump_m = jump_m(tracks, pair, starts[k]);
             let confidence = gain / (gain + HIDDEN);
             hidden.push(Exchange { markers: pair, frame: starts[k], jump_m, confidence });
@@ -228,7 +229,7 @@ fn spans(exchanges: &[Exchange], starts_swapped: bool, n_frames: usize) -> Vec<S
     swaps
 }
 
-fn swap(began: &Exchange, frames: std::ops::Range<usize>, confidence: f64) -> Swap {
+fn swap(began: &Exchange, frames: Range<usize>, confidence: f64) -> Swap {
     let confidence = began.confidence.min(confidence);
     Swap { markers: began.markers, frames, jump_m: began.jump_m, confidence }
 }

@@ -127,8 +127,8 @@ pub enum HeadError {
 /// Finds the head's pose in every frame and expresses every lock in head space.
 ///
 /// In: world-space positions, m. Out: `world_from_head` a frame, `None` where fewer than three trusted markers
-/// agree, unless those around tell it; the smooth track of those poses; marker tracks
-/// in head space, m, missing wherever the marker or the pose is. Locks are seen from the *smooth* track: the noise of eight markers turns the head by 2 mrad a frame,
+/// agree, unless those around tell it; the smooth track of those poses; marker tracks in head space, m, missing wherever
+/// the marker or the pose is. Locks are seen from the *smooth* track: the noise of eight markers turns the head by 2 mrad a frame,
 /// which would shake a tip 25 cm away by half a millimeter, three times the cameras' own noise.
 ///
 /// The paper takes the head's motion away with 8 markers and does not say how (3.1). Here: the rigid transform

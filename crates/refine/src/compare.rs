@@ -28,6 +28,7 @@ pub(crate) fn compare(measured: &Measured<'_>, markers: StrandMotion, field: Fie
     let still = measured.session.still_range(head.first_frame, head.n_frames());
     let from = still.map_or(0, |(_, last)| last + 1);
     let mut off_m: Vec<Vec<Vec<Option<Vec3>>>> = vec![Vec::new(); measured.session.strands.len()];
+    let mut went_m = vec![None; off_m.len()];
     for strand in &head.strands {
         let idx = strand.strand_idx;
         let first: usize = markers.counts[..idx].iter().sum();
@@ -40,12 +41,15 @@ pub(crate) fn compare(measured: &Measured<'_>, markers: StrandMotion, field: Fie
         off_m[idx] = (0..strand.markers.len())
             .map(|marker| (0..head.n_frames()).map(|frame| off(marker, frame)).collect())
             .collect();
-    }
-    let mut went_m = vec![None; off_m.len()];
-    for strand in &head.strands {
-        went_m[strand.strand_idx] = went(&strand.markers, from);
+        went_m[idx] = went(&strand.markers, from);
     }
     Compared { markers, field, frame_rate_hz: head.rate_hz, went_m, off_m }
+}
+
+/// `None` of nothing.
+fn geometric_mean(numbers: impl Iterator<Item = f64>) -> Option<f64> {
+    let logs: Vec<f64> = numbers.map(libm::log).collect();
+    (!logs.is_empty()).then(|| libm::exp(logs.iter().sum::<f64>() / logs.len() as f64))
 }
 
 /// How far markers went from where they were seen first from a frame on, root mean square, m.
@@ -71,8 +75,7 @@ impl Compared {
     pub(crate) fn round(&self, held_out: &[usize]) -> Round {
         let mean = |is_held_out: bool| {
             let locks = (0..self.off_m.len()).filter(|idx| held_out.contains(idx) == is_held_out);
-            let logs: Vec<f64> = locks.filter_map(|idx| self.rms_m(idx)).map(libm::log).collect();
-            (!logs.is_empty()).then(|| libm::exp(logs.iter().sum::<f64>() / logs.len() as f64))
+            geometric_mean(locks.filter_map(|idx| self.rms_m(idx)))
         };
         Round {
             seen_m: mean(false).unwrap_or(f64::INFINITY),
@@ -84,8 +87,7 @@ impl Compared {
     /// How far the locks are off over how far they went: geometric mean over locks. 1 is as good as never moving.
     pub(crate) fn share_of_motion(&self) -> f64 {
         let share = |idx: usize| Some(self.rms_m(idx)? / self.went_m[idx]?.max(1e-5));
-        let logs: Vec<f64> = (0..self.off_m.len()).filter_map(share).map(libm::log).collect();
-        libm::exp(logs.iter().sum::<f64>() / logs.len().max(1) as f64)
+        geometric_mean((0..self.off_m.len()).filter_map(share)).unwrap_or(1.0)
     }
 
     /// Root mean square over a lock's markers and frames; `None` if nothing of it was seen.

@@ -32,13 +32,14 @@ pub(crate) fn sought(
     if compared.share_of_motion() < FAR_OFF {
         return Ok((turn, compared));
     }
+    let off_m = |compared: &Compared| compared.round(held_out).seen_m;
     for change in [CHANGE, 1.0 / CHANGE] {
         let mut served = false;
         for _ in 0..MOST_CHANGES {
             let next = around.with_stiffness(turn.likely.stiffness * change, held_out)?;
             let of_next = around.compare(&next)?;
-            let nearer = of_next.round(held_out).seen_m < SERVES * compared.round(held_out).seen_m;
-            if !nearer {
+            let is_nearer = off_m(&of_next) < SERVES * off_m(&compared);
+            if !is_nearer {
                 break;
             }
             (turn, compared, served) = (next, of_next, true);
