@@ -175,19 +175,7 @@ pub fn fit_taught(
     taught: &Taught,
     progress: &dyn Progress,
 ) -> Result<Fit, FitError> {
-    if !(options.rate_hz.is_finite() && options.rate_hz > 0.0) {
-        return Err(FitError::NotPositive { what: "rate", found: options.rate_hz });
-    }
-    let most = MAX_STEPS_PER_FRAME * head.rate_hz;
-    if options.rate_hz > most {
-        return Err(FitError::TooFast { found: options.rate_hz, most });
-    }
-    if head.n_frames() < 2 {
-        return Err(FitError::TooFewFrames { found: head.n_frames() });
-    }
-    if let Some(origins) = origins {
-        check(head, origins)?;
-    }
+    check(head, origins, options)?;
     match &options.method {
         FitMethod::Paper(paper) => paper::fit_paper(head, origins, session, options.rate_hz, paper),
         FitMethod::Physical(physical) => {
@@ -195,6 +183,24 @@ pub fn fit_taught(
             physical::fit_physical(head, origins, session, &set, progress)
         }
     }
+}
+
+/// The captured locks as a hairstyle, of what is taken for likely, before any wind is measured; `None` by the method `paper`, which
+/// knows nothing of what a lock is made of. In: as for [`fit`].
+///
+/// # Errors
+/// As [`fit`].
+pub fn wig(
+    head: &HeadCapture,
+    origins: Option<&[Vec<Vec<Sample>>]>,
+    session: &Session,
+    options: &FitOptions,
+) -> Result<Option<Wig>, FitError> {
+    check(head, origins, options)?;
+    let FitMethod::Physical(physical) = &options.method else { return Ok(None) };
+    let taught = Taught::default();
+    let set = physical_set(session, options, physical, &taught)?;
+    physical::likely_wig(head, origins, session, &set).map(Some)
 }
 
 /// What the balance of moments leaves over of the captured wig when it moves as a simulator says, by lock of the session:
@@ -227,7 +233,22 @@ fn physical_set<'a>(
     Ok(physical::Set { rate_hz: options.rate_hz, up_axis, options: physical, taught })
 }
 
-fn check(head: &HeadCapture, origins: &[Vec<Vec<Sample>>]) -> Result<(), FitError> {
+fn check(
+    head: &HeadCapture,
+    origins: Option<&[Vec<Vec<Sample>>]>,
+    options: &FitOptions,
+) -> Result<(), FitError> {
+    if !(options.rate_hz.is_finite() && options.rate_hz > 0.0) {
+        return Err(FitError::NotPositive { what: "rate", found: options.rate_hz });
+    }
+    let most = MAX_STEPS_PER_FRAME * head.rate_hz;
+    if options.rate_hz > most {
+        return Err(FitError::TooFast { found: options.rate_hz, most });
+    }
+    if head.n_frames() < 2 {
+        return Err(FitError::TooFewFrames { found: head.n_frames() });
+    }
+    let Some(origins) = origins else { return Ok(()) };
     for (strand_idx, strand) in head.strands.iter().enumerate() {
         let lengths = |of_strand: &Vec<Vec<Sample>>| {
             of_strand.iter().map(Vec::len).eq(strand.markers.iter().map(Track::n_frames))

@@ -105,6 +105,17 @@ pub(crate) fn fit_physical(
     Ok(Fit { samples, outside, air: Some(solved.air), wig, report })
 }
 
+/// All locks that can be explained, before anything is.
+pub(crate) fn likely_wig(
+    head: &HeadCapture,
+    origins: Option<&[Vec<Vec<Sample>>]>,
+    session: &Session,
+    set: &Set<'_>,
+) -> Result<Wig, FitError> {
+    let seen = Seen::new(head, origins, session, set)?;
+    Ok(wig::wig(&seen.problem(head, session, set)))
+}
+
 /// What the balance leaves over of a wig that was simulated in a known air: by lock of the session.
 pub(crate) fn defects(
     simulated: &HeadCapture,

@@ -45,10 +45,6 @@ pub fn measure(
     let up_axis = up_axis.ok_or(ConvertError::NoUpAxis)?;
     let fit_options = FitOptions { up_axis: Some(up_axis), ..options.fit.clone() };
 
-    let stage = watch.stage("fit");
-    let fit = tousle_fit::fit(prepared.head(), prepared.samples(), session, &fit_options, &*stage)?;
-    drop(stage);
-
     let scene = Scene {
         poses: tracked.poses.clone(),
         rest_pose: tracked.rest_pose,
@@ -56,33 +52,37 @@ pub fn measure(
         air_density: session.air_density,
         body: session.body.clone(),
     };
-    let lay = |fit: &Fit, progress: &dyn Progress| {
-        let raster_options = RasterOptions { method: raster_method(&options.fit), grid: options.grid };
+    let lay = |fit: &Fit, grid: &GridSpec, progress: &dyn Progress| {
+        let raster_options = RasterOptions { method: raster_method(&options.fit), grid: *grid };
         tousle_raster::rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &raster_options, progress)
     };
     // Whoever wants locks held out is told if the method knows no wig; the round by default is left out.
-    let refine = options.refine.as_ref().filter(|refine| fit.wig.is_some() || refine.held_out.is_some());
+    let knows_wig = matches!(fit_options.method, FitMethod::Physical(_));
+    let refine = options.refine.as_ref().filter(|refine| knows_wig || refine.held_out.is_some());
+    let (head, origins) = (prepared.head(), prepared.samples());
+    let stage = watch.stage("fit");
     let (fit, laid, refined) = match refine {
-        None => (fit, None, None),
+        None => (tousle_fit::fit(head, origins, session, &fit_options, &*stage)?, None, None),
         Some(refine) => {
-            let stage = watch.stage("refine");
             let measured = tousle_refine::Measured {
-                head: prepared.head(),
-                origins: prepared.samples(),
+                head,
+                origins,
                 session,
                 options: &fit_options,
                 scene: &scene,
+                grid: options.grid,
             };
-            let lay = |fit: &Fit| Ok(lay(fit, &NoProgress)?.sequence);
-            let refined = tousle_refine::refine(fit, &measured, &lay, refine, &*stage)?;
+            let lay = |fit: &Fit, grid: &GridSpec| Ok(lay(fit, grid, &NoProgress)?.sequence);
+            let refined = tousle_refine::refine(&measured, &lay, refine, &*stage)?;
             (refined.fit, refined.field, Some(refined.report))
         }
     };
+    drop(stage);
 
     let stage = watch.stage("raster");
     let mut raster = match laid {
         Some(sequence) => Raster::of(sequence, &fit.samples),
-        None => lay(&fit, &*stage)?,
+        None => lay(&fit, &options.grid, &*stage)?,
     };
     if let Some(air) = &fit.air {
         tousle_raster::add_deviations(&mut raster, air, &*stage);

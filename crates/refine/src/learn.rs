@@ -9,8 +9,9 @@ use tousle_fit::Scales;
 /// By how much the logarithms of stiffness and drag are changed to see what it does.
 pub(crate) const TRIED: [f64; 2] = [0.3, 0.1];
 
-/// How far the logarithm of the wig's stiffness may be from what is taken for likely: hairs differ, and how they hold together.
-const COMMON_STIFFNESS: f64 = 0.5;
+/// How far the logarithm of the wig's stiffness may be from the one that was sought (`stiffness`): as far as captures of known
+/// stiffness are off.
+const COMMON_STIFFNESS: f64 = 0.15;
 
 /// How far a lock's may be from the wig's: as many hairs as weigh so much, more or less held together.
 const OWN_STIFFNESS: f64 = 0.2;

@@ -1,12 +1,12 @@
 //! The closed loop: a measured wind is mended until the wig, simulated in it, moves as it was seen to move.
 //!
-//! [`refine`] simulates the captured wig in the wind that `fit` found. Where the simulated markers differ from the seen ones,
-//! three things can be at fault. What the locks are made of: it is learnt from how the simulated markers answer to it
+//! [`refine`] first seeks how stiff the wig is (`stiffness`): as stiff as lets it move in the wind that then is found as it was seen
+//! to. Then it simulates the wig in that wind. Where the simulated markers differ from the seen ones,
+//! three things can be at fault. What the single locks are made of: it is learnt from how the simulated markers answer to it
 //! (`learn`). What the balance of moments leaves over of a motion that is known to be in balance: smoothing, splines and
 //! contacts, which is taken off the balance of the seen motion ([`tousle_fit::defects`]), as in the defect correction of
 //! differential equations (H. J. Stetter, "The defect correction principle", *Numerische Mathematik* 29, 1978). And the wind,
-//! which is then measured anew. Locks that are held out say when to stop. A wig that is far off is first looked for among much
-//! stiffer and softer ones (`stiffness`).
+//! which is then measured anew. Locks that are held out say when to stop.
 
 mod compare;
 mod learn;
@@ -17,15 +17,15 @@ mod wig;
 
 pub use report::{RefineReport, Round};
 
-use rounds::{Loop, Turn};
+use rounds::Loop;
 use std::error::Error;
 use std::num::NonZeroUsize;
 use tousle_core::{HeadCapture, Progress, Sample, Session};
-use tousle_field::{FieldSequence, Scene};
+use tousle_field::{FieldSequence, GridSpec, Scene};
 use tousle_fit::{Fit, FitError, FitOptions};
 use tousle_sim::SimError;
 
-/// How a measured wind is refined.
+/// How a wind is refined.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RefineOptions {
     /// The most rounds.
@@ -49,19 +49,21 @@ impl RefineOptions {
     }
 }
 
-/// What a wind was measured from.
+/// What a wind is measured from.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured<'a> {
-    /// The capture, as the fit was given it.
+    /// The capture in head space.
     pub head: &'a HeadCapture,
-    /// Where each sample of it comes from, as the fit was given it.
+    /// Where each sample of it comes from, as for [`tousle_fit::fit`].
     pub origins: Option<&'a [Vec<Vec<Sample>>]>,
     /// What the people in the room knew.
     pub session: &'a Session,
-    /// How it was measured.
+    /// How it is measured.
     pub options: &'a FitOptions,
     /// What the wig can touch, and how the head moves.
     pub scene: &'a Scene,
+    /// The voxels on which the wind will be.
+    pub grid: GridSpec,
 }
 
 /// A refined wind, and what happened on the way.
@@ -76,7 +78,7 @@ pub struct Refined {
 }
 
 /// What lays a wind on a grid.
-pub type Lay<'a> = dyn Fn(&Fit) -> Result<FieldSequence, Box<dyn Error + Send + Sync>> + 'a;
+pub type Lay<'a> = dyn Fn(&Fit, &GridSpec) -> Result<FieldSequence, Box<dyn Error + Send + Sync>> + 'a;
 
 /// Why a wind cannot be refined.
 #[derive(Debug, thiserror::Error)]
@@ -106,46 +108,44 @@ pub enum RefineError {
     Sim(#[from] SimError),
 }
 
-/// Mends a measured wind until the wig, simulated in it, comes no nearer to the seen one.
+/// Measures a wind and mends it until the wig, simulated in it, comes no nearer to the seen one.
 ///
-/// In: what was measured, from what, and how it is laid on a grid. If some locks are to be held out, the others alone are gone
+/// In: what it is measured from, and how it is laid on a grid. If some locks are to be held out, the others alone are gone
 /// round with first, and after each round the ones held out are simulated and compared with how they were seen. Then as many rounds
 /// as served those best are gone with all locks; none, if none did. The result does not depend on the number of threads.
 ///
 /// # Errors
 /// [`RefineError`] if the wind is not of the method `physical`, there are too few locks to hold some out, or a stage fails.
 pub fn refine(
-    first: Fit,
     measured: &Measured<'_>,
     lay: &Lay<'_>,
     options: &RefineOptions,
     progress: &dyn Progress,
 ) -> Result<Refined, RefineError> {
-    let wig = first.wig.clone().ok_or(RefineError::NoWig)?;
+    let Measured { head, origins, session, options: how, .. } = *measured;
+    let wig = tousle_fit::wig(head, origins, session, how)?.ok_or(RefineError::NoWig)?;
     let around = Loop { measured, wig: &wig, lay };
     match options.held_out {
-        None => with_all(first, &around, options.rounds, progress),
-        Some(every) => with_some_held_out(first, &around, options.rounds, every, progress),
+        None => with_all(&around, options.rounds, progress),
+        Some(every) => with_some_held_out(&around, options.rounds, every, progress),
     }
 }
 
 /// Goes round with all locks while they come nearer.
-fn with_all(
-    first: Fit,
-    around: &Loop<'_>,
-    most_rounds: usize,
-    progress: &dyn Progress,
-) -> Result<Refined, RefineError> {
-    let turn = Turn::known(first);
-    let compared = around.compare(&turn)?;
-    let (mut turn, first) = stiffness::sought(around, turn, compared, &[])?;
+fn with_all(around: &Loop<'_>, most_rounds: usize, progress: &dyn Progress) -> Result<Refined, RefineError> {
+    let total = most_rounds as u64 + 2;
+    progress.at(0, total);
+    let stiffness = stiffness::sought(around, &[])?;
+    progress.at(1, total);
+    let mut turn = around.with_stiffness(stiffness, None, &[])?;
+    let first = around.compare(&turn)?;
     let mut rounds = vec![first.round(&[])];
     let mut compared = Some(first);
     let mut kept = 0;
     while kept < most_rounds
         && let Some(of_turn) = compared.take()
     {
-        progress.at(kept as u64, most_rounds as u64);
+        progress.at(kept as u64 + 2, total);
         let next = around.again(&turn, of_turn, &[])?;
         let of_next = around.compare(&next)?;
         rounds.push(of_next.round(&[]));
@@ -153,14 +153,13 @@ fn with_all(
             (turn, compared, kept) = (next, Some(of_next), kept + 1);
         }
     }
-    progress.at(most_rounds as u64, most_rounds as u64);
-    let report = RefineReport { held_out: Vec::new(), stiffness: turn.likely.stiffness, rounds, kept };
+    progress.at(total, total);
+    let report = RefineReport { held_out: Vec::new(), stiffness, rounds, kept };
     Ok(Refined { fit: turn.fit, field: compared.map(|compared| compared.field), report })
 }
 
 /// Goes as many rounds with all locks as serve those best that are held out.
 fn with_some_held_out(
-    first: Fit,
     around: &Loop<'_>,
     most_rounds: usize,
     every: NonZeroUsize,
@@ -172,24 +171,24 @@ fn with_some_held_out(
         return Err(RefineError::TooFewLocks { found: n_locks, expected });
     }
     let held_out = wig::every(around.wig, every.get());
-    let total = (2 * most_rounds + 1) as u64;
-    let turn = Turn::first(around, &held_out)?;
-    let compared = around.compare(&turn)?;
-    let (mut turn, mut compared) = stiffness::sought(around, turn, compared, &held_out)?;
-    let stiffness = turn.likely.stiffness;
+    let total = 2 * most_rounds as u64 + 3;
+    progress.at(0, total);
+    let stiffness = stiffness::sought(around, &held_out)?;
+    progress.at(1, total);
+    let mut turn = around.with_stiffness(stiffness, None, &held_out)?;
+    let mut compared = around.compare(&turn)?;
     let mut rounds = vec![compared.round(&held_out)];
     for round in 0..most_rounds {
-        progress.at(round as u64 + 1, total);
+        progress.at(round as u64 + 2, total);
         turn = around.again(&turn, compared, &held_out)?;
         compared = around.compare(&turn)?;
         rounds.push(compared.round(&held_out));
     }
     drop(compared);
     let kept = report::best(&rounds);
-    let is_likely = stiffness == 1.0;
-    let mut turn = if is_likely { Turn::known(first) } else { around.with_stiffness(stiffness, &[])? };
+    let mut turn = around.with_stiffness(stiffness, None, &[])?;
     for round in 0..kept {
-        progress.at((most_rounds + round) as u64 + 1, total);
+        progress.at((most_rounds + round) as u64 + 3, total);
         turn = around.again(&turn, around.compare(&turn)?, &[])?;
     }
     progress.at(total, total);

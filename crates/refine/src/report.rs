@@ -5,8 +5,7 @@ use serde::Serialize;
 pub struct RefineReport {
     /// The locks that were held out to say when to stop.
     pub held_out: Vec<String>,
-    /// How many times as stiff as is likely of such hair all locks were taken for, before any was asked by itself: 1 unless the
-    /// simulated wig was far off.
+    /// How many times as stiff as is likely of such hair all locks were taken for, before any was asked by itself.
     pub stiffness: f64,
     /// Before the first round, and after each; with some locks held out, if any were.
     pub rounds: Vec<Round>,

@@ -24,18 +24,6 @@ pub(crate) struct Turn {
     scales: Vec<Scales>,
 }
 
-impl Turn {
-    /// A wind measured without any lesson.
-    pub(crate) fn known(fit: Fit) -> Self {
-        Self { fit, likely: Scales::default(), scales: Vec::new() }
-    }
-
-    /// The same measured without some locks.
-    pub(crate) fn first(around: &Loop<'_>, held_out: &[usize]) -> Result<Self, RefineError> {
-        Ok(Self::known(around.fit(&Taught::default(), held_out)?))
-    }
-}
-
 impl Loop<'_> {
     /// The wig in a turn's wind beside the seen one.
     pub(crate) fn compare(&self, turn: &Turn) -> Result<Compared, RefineError> {
@@ -62,14 +50,21 @@ impl Loop<'_> {
             taught.air = Some(air.without_covariances());
         }
         drop(compared);
-        Ok(Turn { fit: self.fit(&taught, held_out)?, likely: turn.likely, scales: taught.scales })
+        Ok(Turn { fit: self.measured.fit(&taught, held_out)?, likely: turn.likely, scales: taught.scales })
     }
 
-    /// The wind measured anew with all locks of one wig stiffer, or softer, than is likely.
-    pub(crate) fn with_stiffness(&self, stiffness: f64, held_out: &[usize]) -> Result<Turn, RefineError> {
+    /// The wind measured with all locks of one wig so many times as stiff as is likely, starting from the air of another
+    /// fit if there is one.
+    pub(crate) fn with_stiffness(
+        &self,
+        stiffness: f64,
+        from: Option<&Fit>,
+        held_out: &[usize],
+    ) -> Result<Turn, RefineError> {
         let likely = Scales { stiffness, ..Scales::default() };
-        let taught = Taught { scales: vec![likely; self.n_locks()], ..Taught::default() };
-        Ok(Turn { fit: self.fit(&taught, held_out)?, likely, scales: taught.scales })
+        let air = from.and_then(|fit| Some(fit.air.as_ref()?.without_covariances()));
+        let taught = Taught { scales: vec![likely; self.n_locks()], air, ..Taught::default() };
+        Ok(Turn { fit: self.measured.fit(&taught, held_out)?, likely, scales: taught.scales })
     }
 
     /// Locks of the session.
@@ -112,11 +107,14 @@ impl Loop<'_> {
     }
 
     fn lay(&self, fit: &Fit) -> Result<FieldSequence, RefineError> {
-        (self.lay)(fit).map_err(RefineError::Lay)
+        (self.lay)(fit, &self.measured.grid).map_err(RefineError::Lay)
     }
+}
 
-    fn fit(&self, taught: &Taught, held_out: &[usize]) -> Result<Fit, RefineError> {
-        let Measured { head, origins, session, options, .. } = *self.measured;
+impl Measured<'_> {
+    /// The wind measured without the locks that are held out.
+    pub(crate) fn fit(&self, taught: &Taught, held_out: &[usize]) -> Result<Fit, RefineError> {
+        let Measured { head, origins, session, options, .. } = *self;
         let hidden;
         let head = if held_out.is_empty() {
             head

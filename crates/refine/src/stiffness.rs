@@ -1,52 +1,124 @@
-//! How stiff the whole wig is, where the hair that was taken for likely does not move at all as it was seen to.
+//! How stiff the whole wig is, from which stiffness lets it move in its own wind as it was seen to.
 
-use crate::RefineError;
-use crate::compare::Compared;
-use crate::rounds::{Loop, Turn};
+use crate::rounds::Loop;
+use crate::{Measured, RefineError};
+use tousle_field::GridSpec;
+use tousle_fit::{Fit, FitMethod, FitOptions};
 
-/// Off by more than this share of how far the markers moved, a simulated wig is made of something else. On captures of hair as
-/// stiff as is likely it is a tenth at most. If it falls, more captures take longer to convert.
-const FAR_OFF: f64 = 0.15;
+/// How far the logarithm of the wig's stiffness may be from that of as many hairs as weigh so much: hairs differ in thickness, and
+/// in how they hold together.
+const LIKELY: f64 = 0.5;
 
-/// By how much the stiffness of all locks is changed to see whether it serves: more than rounds learn by themselves, which go
-/// by how the motion answers to a small change.
-const CHANGE: f64 = 2.5;
+/// From one stiffness that is tried to the next, as a logarithm: 1.6 times. The error's logarithm is near to a parabola over three such.
+const STEP: f64 = 0.47;
 
-/// What must be left of the wig's error for a change to be kept. Wind and stiffness go together: hair that is softer, in less
-/// wind, moves nearly alike, so little is no evidence.
-const SERVES: f64 = 2.0 / 3.0;
+/// How many steps are gone at most: up to 17 times as stiff as is likely, or a 17th.
+const MOST_STEPS: usize = 6;
 
-/// How often it is changed at most: up to 16 times, or a sixteenth.
-const MOST_CHANGES: usize = 3;
+/// Time steps a second, at most, at which a stiffness is tried: all that counts is which comes nearest.
+const RATE_HZ: f64 = 10.0;
 
-/// If the wig is far off, the stiffness of all its locks is changed for as long as that brings it nearer by a third: first up,
-/// then down. A lock's motion under wind tells little of its stiffness by itself, as twice the wind bends twice the
-/// stiffness as far; but what inertia, weight and the air's resistance make of the motion does not change with both.
-pub(crate) fn sought(
-    around: &Loop<'_>,
-    mut turn: Turn,
-    mut compared: Compared,
-    held_out: &[usize],
-) -> Result<(Turn, Compared), RefineError> {
-    // A number that is not finite is far off too.
-    if compared.share_of_motion() < FAR_OFF {
-        return Ok((turn, compared));
+/// The smallest voxels on which it is tried, m.
+const EDGE_M: f64 = 0.04;
+
+/// Swirl modes with which it is tried, at most.
+const MODES: usize = 30;
+
+/// How many times as stiff all locks of the wig are as is likely, judged without those that are held out.
+///
+/// A lock's motion under wind tells little of its stiffness by itself: twice the wind bends twice the stiffness as far, so a fit
+/// finds the wind that goes with the stiffness that it is told. But what inertia, weight and the air's resistance make of the motion
+/// does not change with both. So for each stiffness that is tried the wind is measured anew, roughly, and the wig simulated in it;
+/// that with which it comes nearest is most likely: a profile likelihood in which every lock counts as one measurement of
+/// unknown spread, and what is likely of hair ([`LIKELY`]) as another.
+pub(crate) fn sought(around: &Loop<'_>, held_out: &[usize]) -> Result<f64, RefineError> {
+    let options = roughly(around.measured.options);
+    let measured = Measured { options: &options, grid: coarse(&around.measured.grid), ..*around.measured };
+    let around = Loop { measured: &measured, ..*around };
+    let n_locks = around.wig.strand_idxs.len() - held_out.len();
+    let mut before: Option<Fit> = None;
+    let cost = |log: f64| -> Result<f64, RefineError> {
+        let turn = around.with_stiffness(libm::exp(log), before.as_ref(), held_out)?;
+        let off_m = around.compare(&turn)?.round(held_out).seen_m;
+        before = Some(turn.fit);
+        let unlikely = log / LIKELY;
+        let cost = n_locks as f64 * libm::log(off_m) + 0.5 * unlikely * unlikely;
+        // Hair that is nowhere is as far off as can be.
+        Ok(if cost.is_nan() { f64::INFINITY } else { cost })
+    };
+    Ok(libm::exp(least(cost)?))
+}
+
+/// The same way to measure, cheaper.
+fn roughly(options: &FitOptions) -> FitOptions {
+    let mut roughly = options.clone();
+    roughly.rate_hz = roughly.rate_hz.min(RATE_HZ);
+    if let FitMethod::Physical(physical) = &mut roughly.method {
+        physical.max_modes = physical.max_modes.min(MODES);
     }
-    let off_m = |compared: &Compared| compared.round(held_out).seen_m;
-    for change in [CHANGE, 1.0 / CHANGE] {
-        let mut served = false;
-        for _ in 0..MOST_CHANGES {
-            let next = around.with_stiffness(turn.likely.stiffness * change, held_out)?;
-            let of_next = around.compare(&next)?;
-            let is_nearer = off_m(&of_next) < SERVES * off_m(&compared);
-            if !is_nearer {
-                break;
-            }
-            (turn, compared, served) = (next, of_next, true);
+    roughly
+}
+
+/// A grid of the same place and at least the same extent, of voxels no smaller than [`EDGE_M`].
+fn coarse(grid: &GridSpec) -> GridSpec {
+    let edge_m = grid.edge_m.max(EDGE_M);
+    let n_voxels = |n: usize| (n as f64 * grid.edge_m / edge_m).ceil() as usize;
+    GridSpec { edge_m, dims: grid.dims.map(n_voxels), ..*grid }
+}
+
+/// Where a cost is least: walks from 0 on, [`STEP`] by [`STEP`], for as long as it falls, and ends on the parabola through
+/// the last three.
+fn least<E>(mut cost: impl FnMut(f64) -> Result<f64, E>) -> Result<f64, E> {
+    let (here, up) = (cost(0.0)?, cost(STEP)?);
+    let is_up = up < here;
+    let step = if is_up { STEP } else { -STEP };
+    let (mut before, mut best, mut at) = if is_up { (here, up, step) } else { (up, here, 0.0) };
+    for _ in 0..MOST_STEPS {
+        let after = cost(at + step)?;
+        if after >= best || after.is_nan() {
+            let bend = before - 2.0 * best + after;
+            let aside = if bend.is_finite() && bend > 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
+            return Ok(at + step * aside);
         }
-        if served {
-            break;
+        (before, best, at) = (best, after, at + step);
+    }
+    Ok(at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn least_of(cost: impl Fn(f64) -> f64) -> f64 {
+        least(|log| Ok::<_, core::convert::Infallible>(cost(log))).unwrap_or_default()
+    }
+
+    #[test]
+    fn the_least_of_a_parabola_is_found_on_either_side() {
+        for place in [-2.1, -0.3, 0.0, 0.2, 0.5, 1.9] {
+            let found = least_of(|log| 3.0 + (log - place) * (log - place));
+            assert!((found - place).abs() < 1e-12, "{found}, not {place}");
         }
     }
-    Ok((turn, compared))
+
+    #[test]
+    fn hair_that_is_nowhere_is_never_taken() {
+        let found = least_of(|log| if log > 0.3 { f64::INFINITY } else { (log + 0.2) * (log + 0.2) });
+        assert!((found + 0.2).abs() < 0.5 * STEP, "{found}");
+        assert_eq!(least_of(|_| f64::INFINITY), 0.0);
+    }
+
+    #[test]
+    fn it_stops_somewhere() {
+        let most = STEP * (MOST_STEPS + 1) as f64;
+        assert!((least_of(|log| -log) - most).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_coarse_grid_holds_the_fine_one() {
+        let fine = GridSpec { origin_m: tousle_core::Vec3::repeat(-0.3), edge_m: 0.01, dims: [60, 61, 1] };
+        assert_eq!(coarse(&fine), GridSpec { edge_m: 0.04, dims: [15, 16, 1], ..fine });
+        let rough = GridSpec { edge_m: 0.06, ..fine };
+        assert_eq!(coarse(&rough), rough);
+    }
 }

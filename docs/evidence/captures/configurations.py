@@ -150,6 +150,21 @@ CONFIGS: dict[str, Config] = {
         wig=Hair(locks=27, lengths_m=(0.08, 0.16), stiffness=5),
         style_b=Hair(locks=36, lengths_m=(0.08, 0.30)),
     ),
+    "soft": Config(
+        "locks half as stiff",
+        _swell(-40, 0.9, speed_mps=2.4, swell=0.35),
+        wig=Hair(locks=27, stiffness=0.5),
+    ),
+    "soft_swirls": Config(
+        "locks a third as stiff, in swirls",
+        _swirling(50, turbulence=0.2),
+        wig=Hair(locks=27, stiffness=0.35),
+    ),
+    "stiffer": Config(
+        "locks twice as stiff",
+        _swell(60, 0.7, speed_mps=2.6, swell=0.35),
+        wig=Hair(locks=27, stiffness=2),
+    ),
     "curly": Config(
         "coils of 2 to 3 cm radius, in style B on half of the locks",
         _swell(50, 0.7, speed_mps=2.5, swell=0.3),

@@ -136,7 +136,7 @@ pub fn summary(report: &ConversionReport) -> String {
         }
     }
     if let Some(refined) = &report.refine {
-        let words = |k: usize| {
+        let off = |k: usize| {
             let round = &refined.rounds[k];
             match round.held_out_m {
                 Some(held_out_m) => {
@@ -147,14 +147,12 @@ pub fn summary(report: &ConversionReport) -> String {
         };
         let outcome = match refined.kept {
             0 => "nothing made those better: the wind is as it was measured".to_owned(),
-            1 => format!("after a round by {}", words(1)),
-            kept => format!("after {kept} rounds by {}", words(kept)),
+            1 => format!("after a round by {}", off(1)),
+            kept => format!("after {kept} rounds by {}", off(kept)),
         };
-        if refined.stiffness != 1.0 {
-            let words = "times as stiff as hair of such weight is likely to be: else it does not move as it was seen to";
-            line("the wig", format!("was taken to be {:.2} {words}", refined.stiffness));
-        }
-        line("refined", format!("the simulated wig was off by {}; {outcome}", words(0)));
+        let words = "times as stiff as so many fine hairs: thus it moves in its wind as it was seen to";
+        line("the wig", format!("is {:.2} {words}", refined.stiffness));
+        line("refined", format!("the simulated wig was off by {}; {outcome}", off(0)));
     }
     let raster = &report.raster;
     let all = (raster.n_measured + raster.n_interpolated + raster.n_outside).max(1) as f64;
