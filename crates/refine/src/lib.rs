@@ -69,7 +69,7 @@ pub struct Measured<'a> {
 /// A refined wind, and what happened on the way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refined {
-    /// The wind; as it was before if nothing made it better.
+    /// The wind; as it was before any round if none made it better.
     pub fit: Fit,
     /// The same on its grid, if it was laid there for the last comparison.
     pub field: Option<FieldSequence>,
@@ -112,7 +112,7 @@ pub enum RefineError {
 ///
 /// In: what it is measured from, and how it is laid on a grid. If some locks are to be held out, the others alone are gone
 /// round with first, and after each round the ones held out are simulated and compared with how they were seen. Then as many rounds
-/// as served those best are gone with all locks; none, if none did. The result does not depend on the number of threads.
+/// as served those best are gone with all locks, for as long as these come nearer themselves, but the first in any case. The result does not depend on the number of threads.
 ///
 /// # Errors
 /// [`RefineError`] if the wind is not of the method `physical`, there are too few locks to hold some out, or a stage fails.
@@ -125,18 +125,23 @@ pub fn refine(
     let Measured { head, origins, session, options: how, .. } = *measured;
     let wig = tousle_fit::wig(head, origins, session, how)?.ok_or(RefineError::NoWig)?;
     let around = Loop { measured, wig: &wig, lay };
-    match options.held_out {
-        None => with_all(&around, options.rounds, progress),
-        Some(every) => with_some_held_out(&around, options.rounds, every, progress),
-    }
+    let once = options.rounds as u64 + 2;
+    let total = if options.held_out.is_some() { 2 * once } else { once };
+    let at = |step| progress.at(step, total);
+    let refined = match options.held_out {
+        None => with_all(&around, options.rounds, at),
+        Some(every) => with_some_held_out(&around, options.rounds, every, at),
+    }?;
+    progress.at(total, total);
+    Ok(refined)
 }
 
-/// Goes round with all locks while they come nearer.
-fn with_all(around: &Loop<'_>, most_rounds: usize, progress: &dyn Progress) -> Result<Refined, RefineError> {
-    let total = most_rounds as u64 + 2;
-    progress.at(0, total);
+/// Goes round with all locks while they come nearer. `at` is told of every step that begins, from 0 on: one for the stiffness, one for
+/// the first wind, one a round.
+fn with_all(around: &Loop<'_>, most_rounds: usize, at: impl Fn(u64)) -> Result<Refined, RefineError> {
+    at(0);
     let stiffness = stiffness::sought(around, &[])?;
-    progress.at(1, total);
+    at(1);
     let mut turn = around.with_stiffness(stiffness, None, &[])?;
     let first = around.compare(&turn)?;
     let mut rounds = vec![first.round(&[])];
@@ -145,7 +150,7 @@ fn with_all(around: &Loop<'_>, most_rounds: usize, progress: &dyn Progress) -> R
     while kept < most_rounds
         && let Some(of_turn) = compared.take()
     {
-        progress.at(kept as u64 + 2, total);
+        at(kept as u64 + 2);
         let next = around.again(&turn, of_turn, &[])?;
         let of_next = around.compare(&next)?;
         rounds.push(of_next.round(&[]));
@@ -153,17 +158,19 @@ fn with_all(around: &Loop<'_>, most_rounds: usize, progress: &dyn Progress) -> R
             (turn, compared, kept) = (next, Some(of_next), kept + 1);
         }
     }
-    progress.at(total, total);
     let report = RefineReport { held_out: Vec::new(), stiffness, rounds, kept };
     Ok(Refined { fit: turn.fit, field: compared.map(|compared| compared.field), report })
 }
 
-/// Goes as many rounds with all locks as serve those best that are held out.
+/// Goes as many rounds with all locks as serve those best that are held out, but at least one.
+///
+/// Whether the first serves, all locks tell, as without any held out: it takes off what the balance leaves out, and locks that are held out
+/// are few. Whether more do, only locks can tell that were not asked.
 fn with_some_held_out(
     around: &Loop<'_>,
     most_rounds: usize,
     every: NonZeroUsize,
-    progress: &dyn Progress,
+    at: impl Fn(u64),
 ) -> Result<Refined, RefineError> {
     let n_locks = around.wig.strand_idxs.len();
     let expected = every.get().saturating_mul(2);
@@ -171,29 +178,22 @@ fn with_some_held_out(
         return Err(RefineError::TooFewLocks { found: n_locks, expected });
     }
     let held_out = wig::every(around.wig, every.get());
-    let total = 2 * most_rounds as u64 + 3;
-    progress.at(0, total);
+    at(0);
     let stiffness = stiffness::sought(around, &held_out)?;
-    progress.at(1, total);
+    at(1);
     let mut turn = around.with_stiffness(stiffness, None, &held_out)?;
     let mut compared = around.compare(&turn)?;
     let mut rounds = vec![compared.round(&held_out)];
     for round in 0..most_rounds {
-        progress.at(round as u64 + 2, total);
+        at(round as u64 + 2);
         turn = around.again(&turn, compared, &held_out)?;
         compared = around.compare(&turn)?;
         rounds.push(compared.round(&held_out));
     }
-    drop(compared);
-    let kept = report::best(&rounds);
-    let mut turn = around.with_stiffness(stiffness, None, &[])?;
-    for round in 0..kept {
-        progress.at((most_rounds + round) as u64 + 3, total);
-        turn = around.again(&turn, around.compare(&turn)?, &[])?;
-    }
-    progress.at(total, total);
+    drop((turn, compared));
+    let serve = 1 + report::best(&rounds[1.min(most_rounds)..]);
+    let refined = with_all(around, serve.min(most_rounds), |step| at(most_rounds as u64 + 2 + step))?;
     let name = |idx: &usize| around.measured.session.strands[*idx].name.clone();
     let held_out = held_out.iter().map(name).collect();
-    let report = RefineReport { held_out, stiffness, rounds, kept };
-    Ok(Refined { fit: turn.fit, field: None, report })
+    Ok(Refined { report: RefineReport { held_out, rounds, ..refined.report }, ..refined })
 }
