@@ -110,13 +110,23 @@ pub enum ConvertError {
     Fit(#[from] FitError),
     /// The closed loop.
     #[error("cannot refine the wind")]
-    Refine(#[from] RefineError),
+    Refine(#[source] RefineError),
     /// The field.
     #[error("cannot fill the grid")]
     Raster(#[from] RasterError),
     /// The report that travels with the field.
     #[error("cannot write the report")]
     Report(#[from] serde_json::Error),
+}
+
+impl From<RefineError> for ConvertError {
+    /// The closed loop's fit fails for what any fit fails for.
+    fn from(error: RefineError) -> Self {
+        match error {
+            RefineError::Fit(error) => Self::Fit(error),
+            other => Self::Refine(other),
+        }
+    }
 }
 
 /// The program and its version, as field files name it.

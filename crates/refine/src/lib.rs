@@ -142,7 +142,7 @@ fn with_all(around: &Loop<'_>, most_rounds: usize, at: impl Fn(u64)) -> Result<R
     at(0);
     let stiffness = stiffness::sought(around, &[])?;
     at(1);
-    let mut turn = around.with_stiffness(stiffness, None, &[])?;
+    let mut turn = around.with_stiffness(stiffness.unwrap_or(1.0), None, &[])?;
     let first = around.compare(&turn)?;
     let mut rounds = vec![first.round(&[])];
     let mut compared = Some(first);
@@ -181,7 +181,7 @@ fn with_some_held_out(
     at(0);
     let stiffness = stiffness::sought(around, &held_out)?;
     at(1);
-    let mut turn = around.with_stiffness(stiffness, None, &held_out)?;
+    let mut turn = around.with_stiffness(stiffness.unwrap_or(1.0), None, &held_out)?;
     let mut compared = around.compare(&turn)?;
     let mut rounds = vec![compared.round(&held_out)];
     for round in 0..most_rounds {

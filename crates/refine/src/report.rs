@@ -5,8 +5,9 @@ use serde::Serialize;
 pub struct RefineReport {
     /// The locks that were held out to say when to stop.
     pub held_out: Vec<String>,
-    /// How many times as stiff as is likely of such hair all locks were taken for, before any was asked by itself.
-    pub stiffness: f64,
+    /// How many times as stiff as is likely of such hair all locks were found to be, before any was asked by itself; `None` where
+    /// nobody knows how they hung at rest, or nothing was seen after that, and they are taken for as stiff as is likely.
+    pub stiffness: Option<f64>,
     /// Before the first round, and after each; with some locks held out, if any were.
     pub rounds: Vec<Round>,
     /// Rounds that were gone with all locks and kept: 0 means that the wind is as it was measured.
@@ -25,6 +26,13 @@ impl RefineReport {
     /// granted is wrong.
     pub fn doubt(&self) -> Option<String> {
         let Round { seen_m: off_m, share_of_motion, .. } = *self.rounds.get(self.kept)?;
+        if off_m == f64::INFINITY {
+            return Some(
+                "found no marker after the still frames that the simulated wig could be compared with, expected some: nothing \
+                 says how good this wind is"
+                    .to_owned(),
+            );
+        }
         let is_off = off_m >= LEAST_DOUBTFUL_M && share_of_motion >= DOUBTFUL_SHARE;
         (off_m.is_nan() || share_of_motion.is_nan() || is_off).then(|| {
             format!(
@@ -78,7 +86,7 @@ mod tests {
     fn a_wig_that_moves_otherwise_is_doubted() {
         let report = |kept: usize, rounds: &[(f64, f64)]| RefineReport {
             held_out: Vec::new(),
-            stiffness: 1.0,
+            stiffness: None,
             rounds: rounds
                 .iter()
                 .map(|(seen_m, share)| Round { seen_m: *seen_m, held_out_m: None, share_of_motion: *share })
@@ -89,7 +97,9 @@ mod tests {
         let doubt = report(1, &[(0.08, 0.8), (0.01, 0.3)]).doubt();
         assert!(doubt.is_some_and(|words| words.contains("off by 10 mm, 30 %")));
         assert_eq!(report(0, &[(0.001, 0.3)]).doubt(), None, "it hardly moved");
-        assert!(report(0, &[(f64::INFINITY, f64::INFINITY)]).doubt().is_some());
+        let doubt = report(0, &[(f64::INFINITY, 1.0)]).doubt();
+        assert!(doubt.is_some_and(|words| words.contains("no marker after the still frames")));
+        assert!(report(0, &[(f64::NAN, f64::NAN)]).doubt().is_some());
     }
 
     #[test]

@@ -24,14 +24,20 @@ const EDGE_M: f64 = 0.04;
 /// Swirl modes with which it is tried, at most.
 const MODES: usize = 30;
 
-/// How many times as stiff all locks of the wig are as is likely, judged without those that are held out.
+/// How many times as stiff all locks of the wig are as is likely, judged without those that are held out; `None` where nobody can tell: as long as
+/// nobody knows how the locks hung at rest, or if nothing was seen after that.
 ///
 /// A lock's motion under wind tells little of its stiffness by itself: twice the wind bends twice the stiffness as far, so a fit
 /// finds the wind that goes with the stiffness that it is told. But what inertia, weight and the air's resistance make of the motion
 /// does not change with both. So for each stiffness that is tried the wind is measured anew, roughly, and the wig simulated in it;
 /// that with which it comes nearest is most likely: a profile likelihood in which every lock counts as one measurement of
 /// unknown spread, and what is likely of hair ([`LIKELY`]) as another.
-pub(crate) fn sought(around: &Loop<'_>, held_out: &[usize]) -> Result<f64, RefineError> {
+pub(crate) fn sought(around: &Loop<'_>, held_out: &[usize]) -> Result<Option<f64>, RefineError> {
+    let Measured { head, session, .. } = *around.measured;
+    // Where bends count little, a wig that is stiffer hardly moves, in more wind than there was, and so comes nearer.
+    if session.still_range(head.first_frame, head.n_frames()).is_none() {
+        return Ok(None);
+    }
     let options = roughly(around.measured.options);
     let measured = Measured { options: &options, grid: coarse(&around.measured.grid), ..*around.measured };
     let around = Loop { measured: &measured, ..*around };
@@ -46,7 +52,7 @@ pub(crate) fn sought(around: &Loop<'_>, held_out: &[usize]) -> Result<f64, Refin
         // Hair that is nowhere is as far off as can be.
         Ok(if cost.is_nan() { f64::INFINITY } else { cost })
     };
-    Ok(libm::exp(least(cost)?))
+    Ok(least(cost)?.map(libm::exp))
 }
 
 /// The same way to measure, cheaper.
@@ -67,9 +73,13 @@ fn coarse(grid: &GridSpec) -> GridSpec {
 }
 
 /// Where a cost is least: walks from 0 on, [`STEP`] by [`STEP`], for as long as it falls, and ends on the parabola through
-/// the last three.
-fn least<E>(mut cost: impl FnMut(f64) -> Result<f64, E>) -> Result<f64, E> {
-    let (here, up) = (cost(0.0)?, cost(STEP)?);
+/// the last three; `None` if it is infinite at 0.
+fn least<E>(mut cost: impl FnMut(f64) -> Result<f64, E>) -> Result<Option<f64>, E> {
+    let here = cost(0.0)?;
+    if here == f64::INFINITY {
+        return Ok(None);
+    }
+    let up = cost(STEP)?;
     let is_up = up < here;
     let step = if is_up { STEP } else { -STEP };
     let (mut before, mut best, mut at) = if is_up { (here, up, step) } else { (up, here, 0.0) };
@@ -78,11 +88,11 @@ fn least<E>(mut cost: impl FnMut(f64) -> Result<f64, E>) -> Result<f64, E> {
         if after >= best || after.is_nan() {
             let bend = before - 2.0 * best + after;
             let aside = if bend.is_finite() && bend > 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
-            return Ok(at + step * aside);
+            return Ok(Some(at + step * aside));
         }
         (before, best, at) = (best, after, at + step);
     }
-    Ok(at)
+    Ok(Some(at))
 }
 
 #[cfg(test)]
@@ -90,7 +100,7 @@ mod tests {
     use super::*;
 
     fn least_of(cost: impl Fn(f64) -> f64) -> f64 {
-        least(|log| Ok::<_, core::convert::Infallible>(cost(log))).unwrap_or_default()
+        least(|log| Ok::<_, core::convert::Infallible>(cost(log))).ok().flatten().unwrap_or(f64::NAN)
     }
 
     #[test]
@@ -105,7 +115,7 @@ mod tests {
     fn hair_that_is_nowhere_is_never_taken() {
         let found = least_of(|log| if log > 0.3 { f64::INFINITY } else { (log + 0.2) * (log + 0.2) });
         assert!((found + 0.2).abs() < 0.5 * STEP, "{found}");
-        assert_eq!(least_of(|_| f64::INFINITY), 0.0);
+        assert!(least_of(|_| f64::INFINITY).is_nan());
     }
 
     #[test]

@@ -151,8 +151,12 @@ pub fn summary(report: &ConversionReport) -> String {
             kept => format!("after {kept} rounds by {}", off(kept)),
         };
         let words = "times as stiff as so many fine hairs: thus it moves in its wind as it was seen to";
-        line("the wig", format!("is {:.2} {words}", refined.stiffness));
-        line("refined", format!("the simulated wig was off by {}; {outcome}", off(0)));
+        if let Some(stiffness) = refined.stiffness {
+            line("the wig", format!("is {stiffness:.2} {words}"));
+        }
+        if refined.rounds[0].seen_m.is_finite() {
+            line("refined", format!("the simulated wig was off by {}; {outcome}", off(0)));
+        }
     }
     let raster = &report.raster;
     let all = (raster.n_measured + raster.n_interpolated + raster.n_outside).max(1) as f64;
