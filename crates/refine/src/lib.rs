@@ -1,8 +1,8 @@
 //! The closed loop: a measured wind is mended until the wig, simulated in it, moves as it was seen to move.
 //!
-//! [`refine`] first seeks how stiff the wig is (`stiffness`): as stiff as lets it move in the wind that then is found as it was seen
-//! to. Then it simulates the wig in that wind. Where the simulated markers differ from the seen ones,
-//! three things can be at fault. What the single locks are made of: it is learnt from how the simulated markers answer to it
+//! [`refine`] first seeks how stiff the wig is (`stiffness`): as stiff as lets it move in the wind that then is found as it was
+//! seen to. Then it simulates the wig in that wind. Where the simulated markers differ from the seen ones, three things can be at
+//! fault. What the single locks are made of: it is learnt from how the simulated markers answer to it
 //! (`learn`). What the balance of moments leaves over of a motion that is known to be in balance: smoothing, splines and
 //! contacts, which is taken off the balance of the seen motion ([`tousle_fit::defects`]), as in the defect correction of
 //! differential equations (H. J. Stetter, "The defect correction principle", *Numerische Mathematik* 29, 1978). And the wind,
@@ -136,8 +136,8 @@ pub fn refine(
     Ok(refined)
 }
 
-/// Goes round with all locks while they come nearer. `at` is told of every step that begins, from 0 on: one for the stiffness, one for
-/// the first wind, one a round.
+/// Goes round with all locks while they come nearer. `at` is told of every step that begins, from 0 on: one for the stiffness,
+/// one for the first wind, one a round.
 fn with_all(around: &Loop<'_>, most_rounds: usize, at: impl Fn(u64)) -> Result<Refined, RefineError> {
     at(0);
     let stiffness = stiffness::sought(around, &[])?;
@@ -164,8 +164,8 @@ fn with_all(around: &Loop<'_>, most_rounds: usize, at: impl Fn(u64)) -> Result<R
 
 /// Goes as many rounds with all locks as serve those best that are held out, but at least one.
 ///
-/// Whether the first serves, all locks tell, as without any held out: it takes off what the balance leaves out, and locks that are held out
-/// are few. Whether more do, only locks can tell that were not asked.
+/// Whether the first serves, all locks tell, as without any held out: it takes off what the balance leaves out, and locks that are
+/// held out are few. Whether more do, only locks can tell that were not asked.
 fn with_some_held_out(
     around: &Loop<'_>,
     most_rounds: usize,

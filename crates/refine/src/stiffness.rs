@@ -9,10 +9,11 @@ use tousle_fit::{Fit, FitMethod, FitOptions};
 /// in how they hold together.
 const LIKELY: f64 = 0.5;
 
-/// From one stiffness that is tried to the next, as a logarithm: 1.6 times. The error's logarithm is near to a parabola over three such.
+/// From one stiffness that is tried to the next, as a logarithm: 1.6 times. The error's logarithm is near to a parabola over
+/// three such.
 const STEP: f64 = 0.47;
 
-/// How many steps are gone at most: up to 17 times as stiff as is likely, or a 17th.
+/// How many steps are gone at most from the nearer of the first two: up to 27 times as stiff as is likely, or a 17th.
 const MOST_STEPS: usize = 6;
 
 /// Time steps a second, at most, at which a stiffness is tried: all that counts is which comes nearest.
@@ -24,8 +25,8 @@ const EDGE_M: f64 = 0.04;
 /// Swirl modes with which it is tried, at most.
 const MODES: usize = 30;
 
-/// How many times as stiff all locks of the wig are as is likely, judged without those that are held out; `None` where nobody can tell: as long as
-/// nobody knows how the locks hung at rest, or if nothing was seen after that.
+/// How many times as stiff all locks of the wig are as is likely, judged without those that are held out; `None` where nobody can
+/// tell: if nobody knows how the locks hung at rest, or if nothing was seen after that.
 ///
 /// A lock's motion under wind tells little of its stiffness by itself: twice the wind bends twice the stiffness as far, so a fit
 /// finds the wind that goes with the stiffness that it is told. But what inertia, weight and the air's resistance make of the motion
