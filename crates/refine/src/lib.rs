@@ -112,7 +112,8 @@ pub enum RefineError {
 ///
 /// In: what it is measured from, and how it is laid on a grid. If some locks are to be held out, the others alone are gone
 /// round with first, and after each round the ones held out are simulated and compared with how they were seen. Then as many rounds
-/// as served those best are gone with all locks, for as long as these come nearer themselves, but the first in any case. The result does not depend on the number of threads.
+/// as served those best, one at least, are gone with all locks, for as long as these come nearer themselves. The result does not
+/// depend on the number of threads.
 ///
 /// # Errors
 /// [`RefineError`] if the wind is not of the method `physical`, there are too few locks to hold some out, or a stage fails.
