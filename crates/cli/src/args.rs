@@ -103,7 +103,7 @@ pub struct ConvertArgs {
     #[arg(long, default_value_t = 30.0, value_name = "HZ")]
     pub rate_hz: f64,
     /// Mend the wind, by simulating the captured wig in it, a second time if locks that are held out come nearer by it; without
-    /// it this is done once. Takes some three times as long.
+    /// it this is done once. Takes twice as long.
     #[arg(long)]
     pub refine: bool,
     /// With --method paper, how its equation E3 is read [default: rest-pose].

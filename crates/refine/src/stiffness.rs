@@ -74,7 +74,7 @@ fn coarse(grid: &GridSpec) -> GridSpec {
 }
 
 /// Where a cost is least: walks from 0 on, [`STEP`] by [`STEP`], for as long as it falls, and ends on the parabola through
-/// the last three; `None` if it is infinite at 0.
+/// the last three; `None` if it is infinite at 0. A cost is never NaN.
 fn least<E>(mut cost: impl FnMut(f64) -> Result<f64, E>) -> Result<Option<f64>, E> {
     let here = cost(0.0)?;
     if here == f64::INFINITY {
@@ -86,7 +86,7 @@ fn least<E>(mut cost: impl FnMut(f64) -> Result<f64, E>) -> Result<Option<f64>, 
     let (mut before, mut best, mut at) = if is_up { (here, up, step) } else { (up, here, 0.0) };
     for _ in 0..MOST_STEPS {
         let after = cost(at + step)?;
-        if after >= best || after.is_nan() {
+        if after >= best {
             let bend = before - 2.0 * best + after;
             let aside = if bend.is_finite() && bend > 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
             return Ok(Some(at + step * aside));

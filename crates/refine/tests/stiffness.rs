@@ -198,7 +198,8 @@ fn a_wig_that_is_much_stiffer_is_found_to_be() {
 
 #[test]
 fn a_wig_is_found_to_be_as_stiff_as_it_is() {
-    for (stiffer, expected) in [(0.5, 0.4..0.8), (2.5, 2.0..3.1)] {
+    // Soft hair is found too stiff (docs/evidence/README.md, "How stiff the wig is"), its wind is right all the same.
+    for (stiffer, expected) in [(0.5, 0.4..0.8), (1.0, 0.8..1.6), (2.5, 2.0..3.1)] {
         let refined = refined(stiffer);
         assert!(
             expected.contains(&refined.report.stiffness.unwrap()),
