@@ -1,5 +1,6 @@
 //! The method `physical`: the air that explains the motion of all locks together. `docs/physical-fit.md` has the maths.
 
+mod constants;
 mod contact;
 mod evidence;
 mod lock;

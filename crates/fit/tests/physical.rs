@@ -221,6 +221,26 @@ fn a_bad_marker_does_not_matter() {
     assert!(error(&fit) < 0.2, "{}", error(&fit));
 }
 
+/// Locks whose widths the session has wrong, some too wide and some too narrow, are told by their motion: the wind is no other.
+#[test]
+fn locks_that_are_off_are_told_from_the_wind() {
+    let (head, mut session) = capture();
+    let exact = measured(&head, &session);
+    for (k, strand) in session.strands.iter_mut().enumerate() {
+        strand.lock_width_m *= if k % 2 == 0 { 1.08 } else { 0.92 };
+    }
+    let off = measured(&head, &session);
+    let (mut square, mut n) = (0.0, 0);
+    for (off, exact) in off.samples.steps.iter().zip(&exact.samples.steps).skip(36) {
+        for (off, exact) in off.iter().zip(exact) {
+            square += (off.value - exact.value).norm_squared();
+            n += 1;
+        }
+    }
+    let apart_mps = (square / f64::from(n)).sqrt();
+    assert!(apart_mps < 0.04, "{apart_mps} m/s");
+}
+
 /// The same bytes on one thread and on several.
 #[test]
 fn threads_do_not_matter() {

@@ -53,7 +53,8 @@ impl Touch {
 /// What is known of a lock's imbalance: rows of it, combined so that they are independent and of variance 1.
 pub(crate) struct Whitened {
     pub(crate) moments: DVector<f64>,
-    pub(crate) by_wind: DMatrix<f64>,
+    /// Their change with what is unknown.
+    pub(crate) by_unknowns: DMatrix<f64>,
     /// Points at which the body pushes.
     pub(crate) n_pushing: usize,
 }
@@ -92,7 +93,7 @@ pub(crate) fn less_body(
     let Some(known) = told(&unknown) else { return white };
     Whitened {
         moments: &white.moments - &unknown * (&known * &white.moments),
-        by_wind: &white.by_wind - &unknown * (&known * &white.by_wind),
+        by_unknowns: &white.by_unknowns - &unknown * (&known * &white.by_unknowns),
         n_pushing,
     }
 }
@@ -133,7 +134,7 @@ mod tests {
     fn white(moments: &[f64]) -> Whitened {
         Whitened {
             moments: DVector::from_row_slice(moments),
-            by_wind: DMatrix::identity(moments.len(), moments.len()),
+            by_unknowns: DMatrix::identity(moments.len(), moments.len()),
             n_pushing: 0,
         }
     }
@@ -147,7 +148,7 @@ mod tests {
         let pushed = less_body(white(&[-5.0, 1.0]), &of_push, of_rubs, 1.0, 0.25);
         assert_eq!(pushed.n_pushing, 1);
         assert!(pushed.moments[0].abs() < 0.1 && (pushed.moments[1] - 1.0).abs() < 1e-12);
-        assert!(pushed.by_wind[(0, 0)] < 0.02, "wind there is no longer told");
+        assert!(pushed.by_unknowns[(0, 0)] < 0.02, "wind there is no longer told");
         let pulled = less_body(white(&[5.0, 1.0]), &of_push, of_rubs, 1.0, 0.25);
         assert_eq!((pulled.n_pushing, pulled.moments[0]), (0, 5.0));
     }

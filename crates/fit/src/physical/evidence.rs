@@ -72,6 +72,8 @@ pub(crate) struct Evidence {
     pub(crate) moments: DVector<f64>,
     /// Its change with the wind at the lock's wind places.
     pub(crate) by_wind: DMatrix<f64>,
+    /// Its change with the lock's constants.
+    pub(crate) by_constants: DMatrix<f64>,
     /// The change of that wind with the state of the air.
     pub(crate) winds_by_state: DMatrix<f64>,
     /// How much it counts: 1, or less for an outlier.
@@ -93,10 +95,10 @@ impl Station {
     ) -> Option<Evidence> {
         let (out, winds_by_state) = self.imbalance(balance, air, now, slope);
         let lower = self.lower.as_ref()?;
-        let weight_n = weight_n(balance.seen);
+        let (weight_n, n_winds) = (weight_n(balance.seen), out.by_wind.ncols());
         let white = contact::Whitened {
             moments: lower.solve_column(&out.moments),
-            by_wind: lower.solve(&out.by_wind),
+            by_unknowns: lower.solve(&beside(&out.by_wind, &out.by_constants)),
             n_pushing: 0,
         };
         let at = &balance.seen.steps[balance.step];
@@ -109,7 +111,8 @@ impl Station {
         let weight = ((ROBUST + white.moments.len() as f64) / (ROBUST + square)).min(1.0);
         square.is_finite().then_some(Evidence {
             moments: white.moments,
-            by_wind: white.by_wind,
+            by_constants: white.by_unknowns.columns_range(n_winds..).into_owned(),
+            by_wind: white.by_unknowns.columns_range(..n_winds).into_owned(),
             winds_by_state,
             weight,
             n_pushing: white.n_pushing,
@@ -163,6 +166,12 @@ impl Station {
         }
         (winds, by_state)
     }
+}
+
+/// The columns of one matrix, then those of another.
+fn beside(first: &DMatrix<f64>, second: &DMatrix<f64>) -> DMatrix<f64> {
+    let columns: Vec<_> = first.column_iter().chain(second.column_iter()).collect();
+    DMatrix::from_columns(&columns)
 }
 
 fn weight_n(seen: &SeenLock) -> f64 {

@@ -1,5 +1,6 @@
 //! The balance of moments at a lock's joints, and how it changes with the wind along the lock.
 
+use super::constants::{Constants, N_CONSTANTS, bend_column, bend_places, bend_share};
 use super::lock::{LockAt, SeenLock};
 use super::taught::{DefectAt, Scales};
 use nalgebra::{DMatrix, DVector, Matrix3};
@@ -12,6 +13,8 @@ pub(crate) struct Imbalance {
     pub(crate) moments: DVector<f64>,
     /// Its change with the wind at the lock's wind places, three columns each, N·m per m/s.
     pub(crate) by_wind: DMatrix<f64>,
+    /// Its change with the lock's constants.
+    pub(crate) by_constants: DMatrix<f64>,
 }
 
 /// How drag follows the wind.
@@ -40,6 +43,8 @@ pub(crate) struct Balance<'a> {
     pub(crate) rest: Option<&'a Rest>,
     pub(crate) law: &'a DragLaw,
     pub(crate) scales: Scales,
+    /// What it is off by, as far as is known.
+    pub(crate) constants: Constants,
     /// Error of a joint's bend, rad.
     pub(crate) bend_error_rad: f64,
     /// What the balance is known to leave over.
@@ -52,28 +57,35 @@ impl Balance<'_> {
     /// For each joint the moments about it of everything further out add up to nothing: weight less inertia, drag, and what
     /// the joint itself holds. There is no tension in it, and no derivative along the lock but the joint's own bend.
     pub(crate) fn imbalance(&self, winds: &[Vec3], slope: DragSlope) -> Imbalance {
-        let &Self { seen, step, step_secs, rest, law, scales, defect, .. } = self;
+        let &Self { seen, step, step_secs, rest, law, scales, defect, ref constants, .. } = self;
         let (lock, at) = (&seen.lock, &seen.steps[step]);
         let n = lock.n_sticks();
         let mut moments = DVector::zeros(2 * n);
         let mut by_wind = DMatrix::zeros(2 * n, 3 * seen.wind_places_m.len());
+        let mut by_constants = DMatrix::zeros(2 * n, N_CONSTANTS);
         // By wind place, the change of the moment about the joint and of the pull on it.
         let n_places = seen.wind_places_m.len();
         let mut moment_by_wind = vec![Matrix3::zeros(); n_places];
         let mut pull_by_wind = vec![Matrix3::zeros(); n_places];
         let (mut moment, mut pull) = (Vec3::zeros(), Vec3::zeros());
+        // Of the drag alone.
+        let (mut drag_moment, mut drag_pull) = (Vec3::zeros(), Vec3::zeros());
         for j in (0..n).rev() {
             let lever = at.directions[j] * lock.lengths_m[j];
             pull += at.pulls[j] * lock.masses_kg[j];
             moment += lever.cross(&pull);
+            drag_moment += lever.cross(&drag_pull);
             let crossing = lever.cross_matrix();
             for (m, p) in moment_by_wind.iter_mut().zip(&pull_by_wind) {
                 *m += crossing * p;
             }
             let (drag, change) = drag(seen, at, j, law, winds[j], slope);
             let (drag, change) = (drag * scales.drag, change * scales.drag);
-            moment += (lever * 0.5).cross(&drag);
+            let drags = (lever * 0.5).cross(&drag);
+            moment += drags;
             pull += drag;
+            drag_moment += drags;
+            drag_pull += drag;
             let middle_m = lock.arcs_m[j] - 0.5 * lock.lengths_m[j];
             for (place, share) in seen.wind_share(middle_m) {
                 moment_by_wind[place] += crossing * change * (0.5 * share);
@@ -83,17 +95,26 @@ impl Balance<'_> {
             let at_rest = rest.map_or_else(Vec3::zeros, |rest| at.turned[j] * rest.torques[j]);
             let defect = defect.map_or_else(Vec3::zeros, |defect| defect.at(j, at.directions[j]));
             let total = moment + at_rest + bending - defect;
+            let stiffness = lock.joint_stiffness[j] * scales.stiffness;
+            let share = (lock.arcs_m[j] - lock.lengths_m[j]) / lock.arcs_m[n - 1];
             for (row, axis) in at.across[j].iter().enumerate() {
-                moments[2 * j + row] = axis.dot(&total);
+                let row_of = 2 * j + row;
+                by_constants[(row_of, 0)] = axis.dot(&bending);
+                by_constants[(row_of, 1)] = axis.dot(&drag_moment);
+                for place in bend_places() {
+                    by_constants[(row_of, bend_column(place, row))] = stiffness * bend_share(place, share);
+                }
+                moments[row_of] = axis.dot(&total);
                 for (place, m) in moment_by_wind.iter().enumerate() {
                     let change = m.tr_mul(axis);
                     for c in 0..3 {
-                        by_wind[(2 * j + row, 3 * place + c)] = change[c];
+                        by_wind[(row_of, 3 * place + c)] = change[c];
                     }
                 }
             }
         }
-        Imbalance { moments, by_wind }
+        moments += &by_constants * DVector::from_column_slice(constants);
+        Imbalance { moments, by_wind, by_constants }
     }
 }
 

@@ -1,7 +1,9 @@
 //! The most likely course of a state over time, from what is likely before and what every step says.
 
+use super::constants::ConstantsSaid;
 use super::triangle::Triangle;
-use nalgebra::{DMatrix, DVector};
+use core::ops::Range;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
 /// What is likely before anything is measured: the first numbers are carried over from step to step, each of the others wanders
@@ -99,25 +101,32 @@ impl Wander {
     }
 }
 
-/// The most likely states, and their covariances if asked for, by step.
+/// The most likely states, and their covariances if asked for, by step; and the most likely constants beside them.
 ///
-/// The sum of all terms is a quadratic form whose matrix is block-tridiagonal. What the steps before a step say of it, and what
-/// those after it say, are found by two sweeps at once, each by block Cholesky factors: the two-filter smoother (D. C. Fraser and
-/// J. E. Potter, "The optimum linear smoother as a combination of two optimum linear filters", *IEEE Transactions on Automatic
-/// Control* 14, 1969). `None` if a block is not positive. `carried` tells how numbers come to a step, of all but the first.
+/// The sum of all terms is a quadratic form whose matrix is block-tridiagonal, bordered by the constants. What the steps before a
+/// step say of it, and what those after it say, are found by two sweeps at once, each by block Cholesky factors: the two-filter
+/// smoother (D. C. Fraser and J. E. Potter, "The optimum linear smoother as a combination of two optimum linear filters", *IEEE
+/// Transactions on Automatic Control* 14, 1969). The constants follow from what is left of them when all states are eliminated
+/// (Schur's complement), and move the states. `None` if a block is not positive. `carried` tells how numbers come to a step, of all
+/// but the first.
 ///
 /// All that is kept of a long capture is here at once, so it is kept once, and by halves where it is symmetric.
 pub(crate) fn most_likely(
     wander: &Wander,
     carried: impl Fn(usize) -> Carried + Sync,
     mut said: Vec<Said>,
+    constants: ConstantsSaid,
     with_covariance: bool,
-) -> Option<Vec<Likely>> {
+) -> Option<(Vec<Likely>, DVector<f64>)> {
     wander.add_to(&mut said, carried);
     let n_steps = said.len();
+    let mut eliminated = Vec::with_capacity(n_steps);
     let (from_before, from_after) = rayon::join(
-        || swept(&said, 0..n_steps, |step| said[step + 1].with_before.as_ref().map(DMatrix::transpose)),
-        || swept(&said, (0..n_steps).rev(), |step| said[step].with_before.clone()),
+        || {
+            let link = |step: usize| said[step + 1].with_before.as_ref().map(DMatrix::transpose);
+            swept(&said, 0..n_steps, link, |of_step| eliminated.push(of_step))
+        },
+        || swept(&said, (0..n_steps).rev(), |step| said[step].with_before.clone(), drop),
     );
     let (from_before, mut from_after) = (from_before?, from_after?);
     from_after.reverse();
@@ -128,38 +137,182 @@ pub(crate) fn most_likely(
         let state = factor.solve(&(own.vector + before.vector + after.vector));
         Some(Likely { state, covariance: with_covariance.then(|| Triangle::inverse(&factor)) })
     };
-    said.into_par_iter().zip(from_before).zip(from_after).map(of_step).collect()
+    let likely = said.into_par_iter().zip(from_before).zip(from_after).map(of_step);
+    let mut likely: Vec<Likely> = likely.collect::<Option<_>>()?;
+    let constants = with_constants(&mut likely, &eliminated, constants, with_covariance)?;
+    Some((likely, constants))
+}
+
+/// What is left of a step's state when it is eliminated, those before it first.
+struct Eliminated {
+    /// Lower factor of its information.
+    lower: Triangle,
+    /// The factor's inverse times what joins it to the next step; `None` of the last.
+    to_next: Option<DMatrix<f64>>,
 }
 
 /// What is passed on to each step, in the order of `steps`, by all steps before it in that order: information to be taken off its
-/// own, and a vector to be added. `link` is minus the block that joins a step (rows) to the next (columns).
+/// own, and a vector to be added. `link` is minus the block that joins a step (rows) to the next (columns). `eliminated` is told of
+/// every step, in that order.
 fn swept(
     own: &[Said],
     steps: impl Iterator<Item = usize>,
     link: impl Fn(usize) -> Option<DMatrix<f64>>,
+    mut eliminated: impl FnMut(Eliminated),
 ) -> Option<Vec<Said>> {
     let n = own.first()?.vector.len();
     let mut passed =
         vec![Said { information: Triangle::zeros(n), vector: DVector::zeros(n), with_before: None }];
-    for step in steps.take(own.len() - 1) {
-        let (own, come) = (&own[step], passed.last()?);
-        let mut information = own.information.clone();
+    for (k, step) in steps.enumerate() {
+        let (own_said, come) = (&own[step], passed.last()?);
+        let mut information = own_said.information.clone();
         information -= &come.information;
         let lower = Triangle::of(information.matrix().cholesky()?.l_dirty());
+        if k + 1 == own.len() {
+            eliminated(Eliminated { lower, to_next: None });
+            break;
+        }
         let gain = lower.solve(&link(step)?);
-        let vector = lower.solve_column(&(&own.vector + &come.vector));
+        let vector = lower.solve_column(&(&own_said.vector + &come.vector));
         let turned = gain.transpose();
-        let information = Triangle::of(&(&turned * gain));
+        let information = Triangle::of(&(&turned * &gain));
         passed.push(Said { information, vector: turned * vector, with_before: None });
+        eliminated(Eliminated { lower, to_next: Some(gain) });
     }
     Some(passed)
+}
+
+/// Constants whose columns are solved for at once.
+const CONSTANTS_TOGETHER: usize = 32;
+
+/// Finds the constants beside states that are most likely where all constants are zero, and moves the states along.
+fn with_constants(
+    likely: &mut [Likely],
+    eliminated: &[Eliminated],
+    said: ConstantsSaid,
+    with_covariance: bool,
+) -> Option<DVector<f64>> {
+    let ConstantsSaid { mut information, mut vector, with_air } = said;
+    for (likely, with_air) in likely.iter().zip(&with_air) {
+        vector.gemv_tr(-1.0, with_air, &likely.state, 1.0);
+    }
+    let n = vector.len();
+    let groups: Vec<Range<usize>> =
+        (0..n).step_by(CONSTANTS_TOGETHER).map(|first| first..(first + CONSTANTS_TOGETHER).min(n)).collect();
+    // By group and step.
+    let of_group = |group: &Range<usize>| {
+        let columns = with_air.iter().map(|all| all.columns_range(group.clone()).into_owned());
+        forward(eliminated, columns)
+    };
+    let forwards: Vec<Vec<DMatrix<f64>>> = groups.par_iter().map(of_group).collect();
+    drop(with_air);
+    let pairs: Vec<(usize, usize)> = (0..groups.len()).flat_map(|a| (0..=a).map(move |b| (a, b))).collect();
+    let product = |(a, b): &(usize, usize)| {
+        let mut product = DMatrix::zeros(groups[*a].len(), groups[*b].len());
+        for (a, b) in forwards[*a].iter().zip(&forwards[*b]) {
+            product.gemm_tr(1.0, a, b, 1.0);
+        }
+        product
+    };
+    let products: Vec<DMatrix<f64>> = pairs.par_iter().map(product).collect();
+    for ((a, b), product) in pairs.into_iter().zip(products) {
+        let mut block = information.view_mut((groups[a].start, groups[b].start), product.shape());
+        block -= product;
+    }
+    let factor = information.cholesky()?;
+    let constants = factor.solve(&vector);
+    // How far they move the states.
+    let moved = |step: usize| {
+        let mut sum = DMatrix::zeros(likely[step].state.len(), 1);
+        for (group, forward) in groups.iter().zip(&forwards) {
+            sum.gemm(1.0, &forward[step], &constants.rows_range(group.clone()), 1.0);
+        }
+        sum
+    };
+    let moved = backward(eliminated, (0..likely.len()).map(moved).collect());
+    for (likely, moved) in likely.iter_mut().zip(moved) {
+        likely.state -= moved.column(0);
+    }
+    if with_covariance {
+        add_unknown(likely, eliminated, &groups, &forwards, &factor);
+    }
+    Some(constants)
+}
+
+/// Adds to the states' covariances what comes of the constants' own, of whose information `factor` is one.
+fn add_unknown(
+    likely: &mut [Likely],
+    eliminated: &[Eliminated],
+    groups: &[Range<usize>],
+    forwards: &[Vec<DMatrix<f64>>],
+    factor: &Cholesky<f64, Dyn>,
+) {
+    let n = factor.l_dirty().nrows();
+    let inverse = Triangle::of(factor.l_dirty()).solve(&DMatrix::identity(n, n));
+    // Independent unknowns of variance 1 in place of the constants: lower triangular, each hangs on those before it.
+    let of_group = |(g, group): (usize, &Range<usize>)| {
+        let independent = (0..eliminated.len()).map(|step| {
+            let mut sum = DMatrix::zeros(forwards[g][step].nrows(), group.len());
+            for (other, forward) in groups[..=g].iter().zip(forwards) {
+                let shares = inverse.view_range(group.clone(), other.clone()).transpose();
+                sum.gemm(1.0, &forward[step], &shares, 1.0);
+            }
+            sum
+        });
+        backward(eliminated, independent.collect())
+    };
+    let moved: Vec<Vec<DMatrix<f64>>> = groups.par_iter().enumerate().map(of_group).collect();
+    likely.par_iter_mut().enumerate().for_each(|(step, likely)| {
+        let Some(covariance) = &mut likely.covariance else { return };
+        for of_group in &moved {
+            covariance.gemm(1.0, &of_group[step], &of_group[step].transpose(), 1.0);
+        }
+    });
+}
+
+/// The eliminated steps' lower factor's inverse times some columns of every step.
+fn forward(eliminated: &[Eliminated], columns: impl Iterator<Item = DMatrix<f64>>) -> Vec<DMatrix<f64>> {
+    let mut solved: Vec<DMatrix<f64>> = Vec::with_capacity(eliminated.len());
+    for (step, mut own) in columns.enumerate() {
+        if let Some(before) = step.checked_sub(1)
+            && let Some(to_next) = &eliminated[before].to_next
+        {
+            own.gemm_tr(1.0, to_next, &solved[before], 1.0);
+        }
+        solved.push(eliminated[step].lower.solve(&own));
+    }
+    solved
+}
+
+/// The inverse of that factor, turned, times some columns of every step.
+fn backward(eliminated: &[Eliminated], mut columns: Vec<DMatrix<f64>>) -> Vec<DMatrix<f64>> {
+    for step in (0..columns.len()).rev() {
+        if let Some(to_next) = &eliminated[step].to_next {
+            let (own, after) = columns.split_at_mut(step + 1);
+            own[step].gemm(1.0, to_next, &after[0], 1.0);
+        }
+        columns[step] = eliminated[step].lower.solve_turned(&columns[step]);
+    }
+    columns
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Three steps of three numbers, of which two are carried, against the same least squares solved as one dense system.
+    /// What is said of some constants and of them together with three steps of three numbers.
+    fn constants(n: usize) -> ConstantsSaid {
+        let with_air =
+            (0..3).map(|k| DMatrix::from_fn(3, n, |r, c| 0.3 - 0.1 * ((r + 2 * c + k) % 5) as f64));
+        ConstantsSaid {
+            information: DMatrix::from_fn(n, n, |r, c| if r == c { 4.0 } else { 0.02 }),
+            vector: DVector::from_fn(n, |i, _| 0.4 - 0.2 * i as f64),
+            with_air: with_air.collect(),
+        }
+    }
+
+    /// Three steps of three numbers, of which two are carried, and more constants than are solved for at once, against the same
+    /// least squares solved as one dense system.
     #[test]
     fn it_is_the_dense_answer() {
         let carried = || {
@@ -189,8 +342,10 @@ mod tests {
         let mut fresh = DMatrix::from_diagonal(&wander.fresh);
         fresh.view_mut((0, 0), (2, 2)).copy_from(&carried().fresh);
         let drift = &wander.mean - &by * &wander.mean;
-        let mut dense = DMatrix::zeros(9, 9);
-        let mut right = DVector::zeros(9);
+        let n_constants = CONSTANTS_TOGETHER + 5;
+        let n = 9 + n_constants;
+        let mut dense = DMatrix::zeros(n, n);
+        let mut right = DVector::zeros(n);
         let mut add = |at: (usize, usize), block: &DMatrix<f64>| {
             let mut view = dense.view_mut((3 * at.0, 3 * at.1), (3, 3));
             view += block;
@@ -218,11 +373,21 @@ mod tests {
                 pull(k - 1, &-(by.transpose() * &fresh * &drift));
             }
         }
-        let covariance: DMatrix<f64> = dense.try_inverse().unwrap_or_else(|| DMatrix::zeros(9, 9));
+        let beside = constants(n_constants);
+        dense.view_mut((9, 9), (n_constants, n_constants)).copy_from(&beside.information);
+        right.rows_mut(9, n_constants).copy_from(&beside.vector);
+        for (k, with_air) in beside.with_air.iter().enumerate() {
+            dense.view_mut((3 * k, 9), (3, n_constants)).copy_from(with_air);
+            dense.view_mut((9, 3 * k), (n_constants, 3)).copy_from(&with_air.transpose());
+        }
+        let covariance: DMatrix<f64> = dense.try_inverse().unwrap_or_else(|| DMatrix::zeros(n, n));
         let expected: DVector<f64> = &covariance * right;
-        let Some(found) = most_likely(&wander, |_| carried(), said.into(), true) else {
+        let Some((found, found_constants)) = most_likely(&wander, |_| carried(), said.into(), beside, true)
+        else {
             panic!("expected an answer")
         };
+        let off = found_constants - expected.rows(9, n_constants);
+        assert!(off.amax() < 1e-12, "{off}");
         for (k, found) in found.iter().enumerate() {
             let off = &found.state - expected.rows(3 * k, 3);
             let Some(spread) = &found.covariance else { panic!("expected a covariance") };

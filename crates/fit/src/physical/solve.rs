@@ -1,6 +1,7 @@
 //! All locks, all times and the air together: Gauss and Newton's method.
 
 use super::PhysicalOptions;
+use super::constants::{Constants, ConstantsSaid, N_CONSTANTS};
 use super::evidence::Station;
 use super::lock::SeenLock;
 use super::moments::{Balance, DragSlope};
@@ -77,7 +78,7 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
         Some(air) => (air.clone(), ROUNDS_FROM_KNOWN),
         None => (first_guess(problem, &fan_wind), ROUNDS),
     };
-    let surroundings = Surroundings::new(problem).with_stations(problem, &air.stream);
+    let mut surroundings = Surroundings::new(problem).with_stations(problem, &air.stream);
     let outside = known_outside(problem, &fan_wind);
     let mut said = Vec::new();
     for round in 0..rounds {
@@ -89,7 +90,9 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
             said.of_air.add_outside(precision, fans.velocity);
         }
         let learns = round + 2 >= rounds;
-        step_states(problem, &fan_wind, &mut air, &mut said, learns);
+        if let Some(constants) = step_states(problem, &fan_wind, &mut air, &mut said, learns) {
+            surroundings.constants = constants;
+        }
         if !is_last {
             if learns {
                 air.swirl_share = learnt_share(&air);
@@ -141,6 +144,8 @@ pub(crate) struct Surroundings {
     rests: Vec<Option<Rest>>,
     /// By step and lock, if all are to be asked more than once.
     pub(crate) stations: Vec<Vec<Station>>,
+    /// By lock, what it is off by.
+    constants: Vec<Constants>,
 }
 
 impl Surroundings {
@@ -159,6 +164,7 @@ impl Surroundings {
             law: DragLaw::in_air(session.air_density),
             rests: locks.iter().map(rest).collect(),
             stations: Vec::new(),
+            constants: vec![Constants::default(); locks.len()],
         }
     }
 
@@ -186,6 +192,7 @@ impl Surroundings {
             rest: self.rests[lock].as_ref(),
             law: &self.law,
             scales: problem.scales(lock),
+            constants: self.constants[lock],
             bend_error_rad: problem.options.bend_error_rad,
             defect: problem.defect(lock, step),
         }
@@ -204,23 +211,28 @@ impl Said {
     }
 }
 
-/// Moves the states to the most likely ones, with their covariances if asked for.
+/// Moves the states to the most likely ones, with their covariances if asked for. Out: by lock, what it is off by; `None` if there
+/// is no most likely state.
 fn step_states(
     problem: &Problem<'_>,
     fan_wind: &[FanWind],
     air: &mut AirFlow,
     said: &mut [StepSaid],
     with_covariance: bool,
-) {
+) -> Option<Vec<Constants>> {
     let of_air: Vec<Said> = said.iter_mut().map(|s| core::mem::take(&mut s.of_air)).collect();
+    let of_constants = said.iter_mut().map(|s| core::mem::take(&mut s.of_constants));
+    let of_constants = ConstantsSaid::together(of_constants, problem.locks.len());
     let wander = wander(problem, fan_wind, air.modes.n_modes());
     let carried = |step: usize| carried(problem, air, step);
-    let Some(likely) = most_likely(&wander, carried, of_air, with_covariance) else { return };
+    let (likely, constants) = most_likely(&wander, carried, of_air, of_constants, with_covariance)?;
     for (state, likely) in air.states.iter_mut().zip(likely) {
         state.values = likely.state;
         state.covariance = likely.covariance;
         state.tame();
     }
+    let of_lock = |constants: &[f64]| core::array::from_fn(|i| constants[i]);
+    Some(constants.as_slice().chunks_exact(N_CONSTANTS).map(of_lock).collect())
 }
 
 /// How strong swirls really are, over the stream: that for which coefficients, as far as the locks tell them, have variance 1

@@ -1,6 +1,7 @@
 //! What all locks say of the air at every step, with errors that last.
 
 use super::PhysicalOptions;
+use super::constants::{ConstantsAt, N_CONSTANTS};
 use super::moments::DragSlope;
 use super::noise::counted_as_one;
 use super::smoother::Said;
@@ -13,6 +14,7 @@ use tousle_flow::AirFlow;
 /// What all locks say at a step.
 pub(crate) struct StepSaid {
     pub(crate) of_air: Said,
+    pub(crate) of_constants: ConstantsAt,
     pub(crate) of_locks: Vec<LockSaid>,
 }
 
@@ -51,7 +53,8 @@ pub(crate) fn ask(
             let at = step - from;
             let before = at.checked_sub(1).map(|k| &all[k]);
             let of_locks = all[at].locks.iter().map(|lock| lock.unwrap_or_default()).collect();
-            StepSaid { of_locks, of_air: all[at].said(before, all.get(at + 1), &counts) }
+            let (of_air, of_constants) = all[at].said(before, all.get(at + 1), &counts);
+            StepSaid { of_locks, of_air, of_constants }
         };
         (first..end).map(said).collect::<Vec<_>>()
     };
@@ -90,7 +93,9 @@ struct Statements {
     /// How much each lock counts: 1, or less for an outlier.
     weights: Vec<f64>,
     by_state: DMatrix<f64>,
-    /// What `by_state` times the state should be.
+    /// Each lock's by its own constants.
+    by_constants: DMatrix<f64>,
+    /// What `by_state` times the state and `by_constants` times the constants should be together.
     target: DVector<f64>,
 }
 
@@ -110,6 +115,7 @@ impl Statements {
             locks: Vec::with_capacity(n_rows.len()),
             weights: Vec::with_capacity(n_rows.len()),
             by_state: DMatrix::zeros(n_all, values.len()),
+            by_constants: DMatrix::zeros(n_all, N_CONSTANTS),
             target: DVector::zeros(n_all),
             n_rows,
         };
@@ -121,7 +127,15 @@ impl Statements {
             if let Some(evidence) = &evidence {
                 let mut rows = said.by_state.rows_mut(first, *n);
                 rows.gemm(1.0, &evidence.by_wind, &evidence.winds_by_state, 0.0);
-                said.target.rows_mut(first, *n).axpy(-1.0, &evidence.moments, 0.0);
+                said.by_constants.rows_mut(first, *n).copy_from(&evidence.by_constants);
+                let mut target = said.target.rows_mut(first, *n);
+                target.gemv(
+                    1.0,
+                    &evidence.by_constants,
+                    &DVector::from_column_slice(&balance.constants),
+                    0.0,
+                );
+                target -= &evidence.moments;
             }
             said.weights.push(evidence.as_ref().map_or(0.0, |evidence| evidence.weight));
             said.locks.push(evidence.map(|evidence| LockSaid {
@@ -151,13 +165,15 @@ impl Statements {
         })
     }
 
-    /// What they say of the air, with their changes from the step before and to the one after.
-    fn said(&self, before: Option<&Self>, after: Option<&Self>, counts: &Counts) -> Said {
+    /// What they say of the air and of the locks' constants, with their changes from the step before and to the one after.
+    fn said(&self, before: Option<&Self>, after: Option<&Self>, counts: &Counts) -> (Said, ConstantsAt) {
         let mut weights = self.by_row(|lock| counts.own * self.weights[lock]);
         let mut pull = weights.component_mul(&self.target);
+        let mut constants = scaled(&self.by_constants, &weights);
         let mut add = |other: &Self| {
             let changes = self.changes(other, counts);
             pull += changes.component_mul(&(&self.target - &other.target));
+            constants += scaled(&(&self.by_constants - &other.by_constants), &changes);
             weights += &changes;
             changes
         };
@@ -168,7 +184,42 @@ impl Statements {
         }
         let turned = scaled(&self.by_state, &weights).transpose();
         let information = Triangle::of(&(turned * &self.by_state));
-        Said { information, vector: self.by_state.tr_mul(&pull), with_before }
+        let of_air = Said { information, vector: self.by_state.tr_mul(&pull), with_before };
+        (of_air, self.of_constants(before, counts, &constants))
+    }
+
+    /// What they say of the constants, with their changes from the step before. `weighted`: how each statement's constants stand
+    /// with this step's state.
+    fn of_constants(&self, before: Option<&Self>, counts: &Counts, weighted: &DMatrix<f64>) -> ConstantsAt {
+        let n_all = self.n_rows.len() * N_CONSTANTS;
+        let mut said = ConstantsAt {
+            information: Vec::with_capacity(self.n_rows.len()),
+            vector: DVector::zeros(n_all),
+            with_air: DMatrix::zeros(self.by_state.ncols(), n_all),
+        };
+        let own = self.by_row(|lock| counts.own * self.weights[lock]);
+        let changes = before.map(|before| {
+            let (by_constants, target) =
+                (&self.by_constants - &before.by_constants, &self.target - &before.target);
+            (by_constants, target, self.changes(before, counts))
+        });
+        let terms =
+            [Some((&self.by_constants, &self.target, &own)), changes.as_ref().map(|(b, t, w)| (b, t, w))];
+        let mut first = 0;
+        for (lock, n) in self.n_rows.iter().enumerate() {
+            let (mut information, at) = (DMatrix::zeros(N_CONSTANTS, N_CONSTANTS), lock * N_CONSTANTS);
+            for (by_constants, target, weights) in terms.iter().flatten() {
+                let rows = by_constants.rows(first, *n);
+                let turned = scaled(&rows.into_owned(), &weights.rows(first, *n).into_owned()).transpose();
+                information.gemm(1.0, &turned, &rows, 1.0);
+                said.vector.rows_mut(at, N_CONSTANTS).gemv(1.0, &turned, &target.rows(first, *n), 1.0);
+            }
+            said.information.push(information);
+            let (by_state, weighted) = (self.by_state.rows(first, *n), weighted.rows(first, *n));
+            said.with_air.columns_mut(at, N_CONSTANTS).gemm_tr(1.0, &by_state, &weighted, 0.0);
+            first += n;
+        }
+        said
     }
 }
 

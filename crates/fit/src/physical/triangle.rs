@@ -82,6 +82,38 @@ impl Triangle {
         }
     }
 
+    /// The inverse of a factor, turned, times some columns.
+    pub(crate) fn solve_turned(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut solved = columns.clone();
+        for some in solved.as_mut_slice().chunks_mut(TOGETHER * self.n.max(1)) {
+            match some.len() / self.n {
+                ..3 => self.solve_turned_beside::<2>(some),
+                _ => self.solve_turned_beside::<TOGETHER>(some),
+            }
+        }
+        solved
+    }
+
+    /// The same as [`Self::solve_beside`], from the last number to the first.
+    fn solve_turned_beside<const N: usize>(&self, columns: &mut [f64]) {
+        let mut beside = vec![[0.0; N]; self.n];
+        for (k, column) in columns.chunks_exact(self.n).enumerate() {
+            beside.iter_mut().zip(column).for_each(|(row, value)| row[k] = *value);
+        }
+        for r in (0..self.n).rev() {
+            let (rest, solved) = beside.split_at_mut(r);
+            let row = self.row(r);
+            let own = solved[0].map(|left| left / row[r]);
+            solved[0] = own;
+            for (factor, rest) in row.iter().zip(rest) {
+                rest.iter_mut().zip(own).for_each(|(left, own)| *left -= factor * own);
+            }
+        }
+        for (k, column) in columns.chunks_exact_mut(self.n).enumerate() {
+            beside.iter().zip(column).for_each(|(row, value)| *value = row[k]);
+        }
+    }
+
     /// The inverse of what a factor, times itself turned, makes.
     pub(crate) fn inverse(factor: &Cholesky<f64, Dyn>) -> DMatrix<f64> {
         let lower = factor.l_dirty();
@@ -153,6 +185,17 @@ mod tests {
             let solved = triangle.solve_column(&column.into_owned());
             assert_eq!(solved, expected);
             assert!((triangle.times(&solved) - column).amax() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn it_solves_turned_as_the_whole_matrix_does() {
+        let columns = DMatrix::from_fn(5, 11, |r, c| (7 * r + 3 * c) as f64 / 11.0 - 1.0);
+        let expected = square().tr_solve_lower_triangular(&columns).unwrap();
+        for n_columns in 1..=11 {
+            let some = columns.columns(0, n_columns).into_owned();
+            let off = Triangle::of(&square()).solve_turned(&some) - expected.columns(0, n_columns);
+            assert!(off.amax() < 1e-13, "{off}");
         }
     }
 
