@@ -49,6 +49,8 @@ pub struct PhysicalOptions {
     pub errors_last_secs: f64,
     /// The share of those errors' square that does not last, 0 to 1.
     pub fleeting_share: f64,
+    /// Whether each lock may be off by itself, for the whole capture, in stiffness, drag and natural shape.
+    pub locks_differ: bool,
 }
 
 impl Default for PhysicalOptions {
@@ -60,6 +62,7 @@ impl Default for PhysicalOptions {
             bend_error_rad: 0.12,
             errors_last_secs: 0.1,
             fleeting_share: 0.5,
+            locks_differ: true,
         }
     }
 }

@@ -101,7 +101,7 @@ impl Wander {
     }
 }
 
-/// The most likely states, and their covariances if asked for, by step; and the most likely constants beside them.
+/// The most likely states, and their covariances if asked for, by step; and the most likely constants beside them, if there are any.
 ///
 /// The sum of all terms is a quadratic form whose matrix is block-tridiagonal, bordered by the constants. What the steps before a
 /// step say of it, and what those after it say, are found by two sweeps at once, each by block Cholesky factors: the two-filter
@@ -115,9 +115,9 @@ pub(crate) fn most_likely(
     wander: &Wander,
     carried: impl Fn(usize) -> Carried + Sync,
     mut said: Vec<Said>,
-    constants: ConstantsSaid,
+    constants: Option<ConstantsSaid>,
     with_covariance: bool,
-) -> Option<(Vec<Likely>, DVector<f64>)> {
+) -> Option<(Vec<Likely>, Option<DVector<f64>>)> {
     wander.add_to(&mut said, carried);
     let n_steps = said.len();
     let mut eliminated = Vec::with_capacity(n_steps);
@@ -139,7 +139,10 @@ pub(crate) fn most_likely(
     };
     let likely = said.into_par_iter().zip(from_before).zip(from_after).map(of_step);
     let mut likely: Vec<Likely> = likely.collect::<Option<_>>()?;
-    let constants = with_constants(&mut likely, &eliminated, constants, with_covariance)?;
+    let constants = match constants {
+        Some(said) => Some(with_constants(&mut likely, &eliminated, said, with_covariance)?),
+        None => None,
+    };
     Some((likely, constants))
 }
 
@@ -382,11 +385,12 @@ mod tests {
         }
         let covariance: DMatrix<f64> = dense.try_inverse().unwrap_or_else(|| DMatrix::zeros(n, n));
         let expected: DVector<f64> = &covariance * right;
-        let Some((found, found_constants)) = most_likely(&wander, |_| carried(), said.into(), beside, true)
+        let Some((found, found_constants)) =
+            most_likely(&wander, |_| carried(), said.into(), Some(beside), true)
         else {
             panic!("expected an answer")
         };
-        let off = found_constants - expected.rows(9, n_constants);
+        let off = found_constants.unwrap() - expected.rows(9, n_constants);
         assert!(off.amax() < 1e-12, "{off}");
         for (k, found) in found.iter().enumerate() {
             let off = &found.state - expected.rows(3 * k, 3);

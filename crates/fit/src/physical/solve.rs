@@ -222,7 +222,8 @@ fn step_states(
 ) -> Option<Vec<Constants>> {
     let of_air: Vec<Said> = said.iter_mut().map(|s| core::mem::take(&mut s.of_air)).collect();
     let of_constants = said.iter_mut().map(|s| core::mem::take(&mut s.of_constants));
-    let of_constants = ConstantsSaid::together(of_constants, problem.locks.len());
+    let of_constants =
+        problem.options.locks_differ.then(|| ConstantsSaid::together(of_constants, problem.locks.len()));
     let wander = wander(problem, fan_wind, air.modes.n_modes());
     let carried = |step: usize| carried(problem, air, step);
     let (likely, constants) = most_likely(&wander, carried, of_air, of_constants, with_covariance)?;
@@ -231,6 +232,7 @@ fn step_states(
         state.covariance = likely.covariance;
         state.tame();
     }
+    let constants = constants.unwrap_or_else(|| DVector::zeros(problem.locks.len() * N_CONSTANTS));
     let of_lock = |constants: &[f64]| core::array::from_fn(|i| constants[i]);
     Some(constants.as_slice().chunks_exact(N_CONSTANTS).map(of_lock).collect())
 }
