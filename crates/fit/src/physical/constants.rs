@@ -51,6 +51,8 @@ pub(crate) struct ConstantsSaid {
     pub(crate) vector: DVector<f64>,
     /// By step: the block that joins the air's state (rows) to the constants.
     pub(crate) with_air: Vec<DMatrix<f64>>,
+    /// Whether what is unknown of them shall count in the covariances of the states.
+    pub(crate) spreads: bool,
 }
 
 /// What a step says of the constants.
@@ -65,11 +67,12 @@ pub(crate) struct ConstantsAt {
 
 impl ConstantsSaid {
     /// All steps together, with what is likely before any is asked.
-    pub(crate) fn together(steps: impl Iterator<Item = ConstantsAt>, n_locks: usize) -> Self {
+    pub(crate) fn together(steps: impl Iterator<Item = ConstantsAt>, n_locks: usize, spreads: bool) -> Self {
         let mut said = Self {
             information: likely(n_locks),
             vector: DVector::zeros(n_locks * N_CONSTANTS),
             with_air: Vec::new(),
+            spreads,
         };
         for step in steps {
             for (lock, of_lock) in step.information.iter().enumerate() {

@@ -140,7 +140,7 @@ pub(crate) fn most_likely(
     let likely = said.into_par_iter().zip(from_before).zip(from_after).map(of_step);
     let mut likely: Vec<Likely> = likely.collect::<Option<_>>()?;
     let constants = match constants {
-        Some(said) => Some(with_constants(&mut likely, &eliminated, said, with_covariance)?),
+        Some(said) => Some(with_constants(&mut likely, &eliminated, said)?),
         None => None,
     };
     Some((likely, constants))
@@ -193,9 +193,8 @@ fn with_constants(
     likely: &mut [Likely],
     eliminated: &[Eliminated],
     said: ConstantsSaid,
-    with_covariance: bool,
 ) -> Option<DVector<f64>> {
-    let ConstantsSaid { mut information, mut vector, with_air } = said;
+    let ConstantsSaid { mut information, mut vector, with_air, spreads } = said;
     for (likely, with_air) in likely.iter().zip(&with_air) {
         vector.gemv_tr(-1.0, with_air, &likely.state, 1.0);
     }
@@ -236,7 +235,7 @@ fn with_constants(
     for (likely, moved) in likely.iter_mut().zip(moved) {
         likely.state -= moved.column(0);
     }
-    if with_covariance {
+    if spreads {
         add_unknown(likely, eliminated, &groups, &forwards, &factor);
     }
     Some(constants)
@@ -311,6 +310,7 @@ mod tests {
             information: DMatrix::from_fn(n, n, |r, c| if r == c { 4.0 } else { 0.02 }),
             vector: DVector::from_fn(n, |i, _| 0.4 - 0.2 * i as f64),
             with_air: with_air.collect(),
+            spreads: true,
         }
     }
 

@@ -90,7 +90,7 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
             said.of_air.add_outside(precision, fans.velocity);
         }
         let learns = round + 2 >= rounds;
-        if let Some(constants) = step_states(problem, &fan_wind, &mut air, &mut said, learns) {
+        if let Some(constants) = step_states(problem, &fan_wind, &mut air, &mut said, learns, is_last) {
             surroundings.constants = constants;
         }
         if !is_last {
@@ -219,11 +219,14 @@ fn step_states(
     air: &mut AirFlow,
     said: &mut [StepSaid],
     with_covariance: bool,
+    is_last: bool,
 ) -> Option<Vec<Constants>> {
     let of_air: Vec<Said> = said.iter_mut().map(|s| core::mem::take(&mut s.of_air)).collect();
     let of_constants = said.iter_mut().map(|s| core::mem::take(&mut s.of_constants));
-    let of_constants =
-        problem.options.locks_differ.then(|| ConstantsSaid::together(of_constants, problem.locks.len()));
+    let of_constants = problem
+        .options
+        .locks_differ
+        .then(|| ConstantsSaid::together(of_constants, problem.locks.len(), is_last));
     let wander = wander(problem, fan_wind, air.modes.n_modes());
     let carried = |step: usize| carried(problem, air, step);
     let (likely, constants) = most_likely(&wander, carried, of_air, of_constants, with_covariance)?;

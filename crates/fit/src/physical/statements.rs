@@ -53,7 +53,12 @@ pub(crate) fn ask(
             let at = step - from;
             let before = at.checked_sub(1).map(|k| &all[k]);
             let of_locks = all[at].locks.iter().map(|lock| lock.unwrap_or_default()).collect();
-            let (of_air, of_constants) = all[at].said(before, all.get(at + 1), &counts);
+            let (of_air, constants) = all[at].said(before, all.get(at + 1), &counts);
+            let of_constants = if problem.options.locks_differ {
+                all[at].of_constants(before, &counts, &constants)
+            } else {
+                ConstantsAt::default()
+            };
             StepSaid { of_locks, of_air, of_constants }
         };
         (first..end).map(said).collect::<Vec<_>>()
@@ -165,8 +170,9 @@ impl Statements {
         })
     }
 
-    /// What they say of the air and of the locks' constants, with their changes from the step before and to the one after.
-    fn said(&self, before: Option<&Self>, after: Option<&Self>, counts: &Counts) -> (Said, ConstantsAt) {
+    /// What they say of the air, with their changes from the step before and to the one after; and how each statement's constants
+    /// stand with this step's state.
+    fn said(&self, before: Option<&Self>, after: Option<&Self>, counts: &Counts) -> (Said, DMatrix<f64>) {
         let mut weights = self.by_row(|lock| counts.own * self.weights[lock]);
         let mut pull = weights.component_mul(&self.target);
         let mut constants = scaled(&self.by_constants, &weights);
@@ -185,11 +191,10 @@ impl Statements {
         let turned = scaled(&self.by_state, &weights).transpose();
         let information = Triangle::of(&(turned * &self.by_state));
         let of_air = Said { information, vector: self.by_state.tr_mul(&pull), with_before };
-        (of_air, self.of_constants(before, counts, &constants))
+        (of_air, constants)
     }
 
-    /// What they say of the constants, with their changes from the step before. `weighted`: how each statement's constants stand
-    /// with this step's state.
+    /// What they say of the constants, with their changes from the step before. `weighted`: as [`Self::said`] tells.
     fn of_constants(&self, before: Option<&Self>, counts: &Counts, weighted: &DMatrix<f64>) -> ConstantsAt {
         let n_all = self.n_rows.len() * N_CONSTANTS;
         let mut said = ConstantsAt {
