@@ -49,6 +49,9 @@ pub struct PhysicalOptions {
     pub errors_last_secs: f64,
     /// The share of those errors' square that does not last, 0 to 1.
     pub fleeting_share: f64,
+    /// Whether how stiff locks are is known well enough for errors of their bends to count by it. While stiffnesses are compared they
+    /// must count the same for all: with larger errors a fit finds less wind, and a wig that is too soft would come nearest.
+    pub stiffness_known: bool,
     /// Whether each lock may be off by itself, for the whole capture, in stiffness, drag and natural shape.
     pub locks_differ: bool,
 }
@@ -59,9 +62,10 @@ impl Default for PhysicalOptions {
             cutoff_hz: 12.0,
             max_modes: 60,
             swirl_length_m: 0.14,
-            bend_error_rad: 0.12,
+            bend_error_rad: 0.08,
             errors_last_secs: 0.1,
             fleeting_share: 0.5,
+            stiffness_known: true,
             locks_differ: true,
         }
     }

@@ -11,6 +11,8 @@ pub struct AirFlow {
     pub modes: SwirlModes,
     /// How strong swirls are over the stream's speed.
     pub swirl_share: f64,
+    /// Time steps a second.
+    pub rate_hz: f64,
     /// One state a time step.
     pub states: Vec<AirState>,
 }
@@ -68,6 +70,19 @@ impl AirState {
         self.values.rows_mut(0, n).scale_mut(share);
         self.swirl_mps = swirl_mps;
     }
+
+    /// What it is a `share` of the way to another, 0 to 1; its fans are the nearer one's.
+    fn towards(&self, other: &Self, share: f64) -> Self {
+        let swirl_mps = self.swirl_mps + (other.swirl_mps - self.swirl_mps) * share;
+        let fans = if share < 0.5 { &self.fans } else { &other.fans };
+        let [from, to] = [self, other].map(|state| {
+            let values = state.values.clone();
+            let mut state = Self { values, covariance: None, fans: fans.clone(), ..*state };
+            state.rescale(swirl_mps);
+            state
+        });
+        Self { values: from.values.lerp(&to.values, share), ..from }
+    }
 }
 
 /// The wind at a point and how it changes with the state.
@@ -103,8 +118,38 @@ impl AirFlow {
             stream: self.stream,
             modes: self.modes.clone(),
             swirl_share: self.swirl_share,
+            rate_hz: self.rate_hz,
             states: self.states.iter().map(state).collect(),
         }
+    }
+
+    /// The same air at other steps of the same time: between two of its own in proportion, after the last as there. Nothing is known
+    /// of how sure it is.
+    #[must_use]
+    pub fn at_rate(&self, rate_hz: f64, n_steps: usize) -> Self {
+        let last = self.states.len() - 1;
+        let state = |step: usize| {
+            let place = step as f64 / rate_hz * self.rate_hz;
+            let before = (place as usize).min(last);
+            let [from, to] = [before, (before + 1).min(last)].map(|k| &self.states[k]);
+            from.towards(to, (place - before as f64).min(1.0))
+        };
+        let states = (0..n_steps).map(state).collect();
+        Self { stream: self.stream, modes: self.modes.clone(), rate_hz, states, ..*self }
+    }
+
+    /// The same air as far as other modes can carry it. Nothing is known of how sure it is.
+    #[must_use]
+    pub fn in_modes(&self, modes: SwirlModes) -> Self {
+        let state = |state: &AirState| {
+            let (swirls, others) = state.values.as_slice().split_at(state.n_modes());
+            let swirls = modes.coefficients(&self.modes.flow(swirls));
+            let n = modes.n_modes() + N_STREAM;
+            let values = DVector::from_iterator(n, swirls.into_iter().chain(others.iter().copied()));
+            AirState { values, covariance: None, fans: state.fans.clone(), ..*state }
+        };
+        let states = self.states.iter().map(state).collect();
+        Self { stream: self.stream, modes, states, ..*self }
     }
 
     /// The wind at a point of head space at a step.
@@ -215,6 +260,38 @@ mod tests {
     use crate::SwirlKernel;
     use tousle_core::Body;
 
+    fn air(modes: SwirlModes, states: Vec<AirState>) -> AirFlow {
+        AirFlow { stream: Stream::round(&Body::none()), modes, swirl_share: 0.2, rate_hz: 10.0, states }
+    }
+
+    /// At other steps the air is what it was; in other modes about the same points it blows the same at these.
+    #[test]
+    fn it_is_the_same_air_at_other_steps_and_in_other_modes() {
+        let points: Vec<Vec3> = (0..8).map(|k| Vec3::new(0.12, 0.03 * f64::from(k), -0.1)).collect();
+        let kernel = SwirlKernel { length_m: 0.1 };
+        let modes = SwirlModes::near(&points, kernel, 40, 0.05);
+        let n = modes.n_modes();
+        let state = |k: f64| AirState {
+            values: DVector::from_fn(n + N_STREAM, |i, _| k * 0.1 * (i % 4) as f64 - 0.2),
+            covariance: None,
+            swirl_mps: 0.3 + 0.1 * k,
+            fans: Vec::new(),
+        };
+        let own = air(modes, (0..4).map(|k| state(f64::from(k))).collect());
+        let mut shuffled = points.clone();
+        shuffled.rotate_left(3);
+        let other = own.in_modes(SwirlModes::near(&shuffled, kernel, 40, 0.05)).at_rate(20.0, 8);
+        for point in &points {
+            for step in 0..4 {
+                let (was, is) = (own.at(step, *point).velocity, other.at(2 * step, *point).velocity);
+                assert!((was - is).norm() < 1e-9, "{was} {is}");
+            }
+        }
+        let outside: Vec<f64> = other.states.iter().map(|state| state.outside().x).collect();
+        let own: Vec<f64> = own.states.iter().map(|state| state.outside().x).collect();
+        assert!((outside[3] - 0.5 * (own[1] + own[2])).abs() < 1e-12 && outside[7] == own[3]);
+    }
+
     /// Many points at once are as sure as each by itself, and that is what the state's covariance says.
     #[test]
     fn spreads_are_the_covariances() {
@@ -226,8 +303,7 @@ mod tests {
         let covariance = DMatrix::from_fn(n, n, |r, c| if r == c { 0.5 } else { 0.01 });
         let state =
             AirState { values, covariance: Some(covariance.clone()), swirl_mps: 0.4, fans: Vec::new() };
-        let air =
-            AirFlow { stream: Stream::round(&Body::none()), modes, swirl_share: 0.2, states: vec![state] };
+        let air = air(modes, vec![state]);
         let places: Vec<_> = points.iter().map(|p| air.place(*p)).collect();
         for (spread, point) in air.spreads_mps(0, &places).iter().zip(&points) {
             let wind = air.at(0, *point);

@@ -1,4 +1,4 @@
-use nalgebra::{DMatrix, DVectorView, Matrix3};
+use nalgebra::{DMatrix, DVector, DVectorView, Matrix3};
 use rayon::prelude::*;
 use tousle_core::{Pose, Vec3};
 
@@ -132,6 +132,14 @@ impl SwirlModes {
         let sum = |row: &[f64]| DVectorView::from_slice(row, n).dot(&coefficients);
         let nodes = if n == 0 { Vec::new() } else { self.values.chunks_exact(n).map(sum).collect() };
         SwirlFlow { lattice: &self.lattice, nodes }
+    }
+
+    /// The coefficients with which the modes blow like a flow of other modes where it tells them most of it.
+    pub fn coefficients(&self, flow: &SwirlFlow<'_>) -> Vec<f64> {
+        let blows = |(pivot, axis): &(Vec3, usize)| flow.at(flow.lattice.find(*pivot).as_ref())[*axis];
+        let blows = DVector::from_iterator(self.n_modes(), self.pivots.iter().map(blows));
+        let solved = self.factor.solve_lower_triangular(&blows).unwrap_or(blows);
+        solved.as_slice().to_vec()
     }
 
     /// What becomes of the modes' coefficients when the air travels: row by row, the coefficients then from those now. What

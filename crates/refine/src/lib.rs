@@ -141,9 +141,9 @@ pub fn refine(
 /// one for the first wind, one a round.
 fn with_all(around: &Loop<'_>, most_rounds: usize, at: impl Fn(u64)) -> Result<Refined, RefineError> {
     at(0);
-    let stiffness = stiffness::sought(around, &[])?;
+    let sought = stiffness::sought(around, &[])?;
     at(1);
-    let mut turn = around.with_stiffness(stiffness.unwrap_or(1.0), None, &[])?;
+    let mut turn = around.first(&sought, &[])?;
     let first = around.compare(&turn)?;
     let mut rounds = vec![first.round(&[])];
     let mut compared = Some(first);
@@ -159,7 +159,11 @@ fn with_all(around: &Loop<'_>, most_rounds: usize, at: impl Fn(u64)) -> Result<R
             (turn, compared, kept) = (next, Some(of_next), kept + 1);
         }
     }
-    let report = RefineReport { held_out: Vec::new(), stiffness, rounds, kept };
+    if kept == 0 {
+        // What the first round would learn from is not as fine as the wind shall be.
+        (turn, compared) = (around.with_stiffness(sought.likely(), Some(&turn.fit), &[])?, None);
+    }
+    let report = RefineReport { held_out: Vec::new(), stiffness: sought.stiffness, rounds, kept };
     Ok(Refined { fit: turn.fit, field: compared.map(|compared| compared.field), report })
 }
 
@@ -180,9 +184,9 @@ fn with_some_held_out(
     }
     let held_out = wig::every(around.wig, every.get());
     at(0);
-    let stiffness = stiffness::sought(around, &held_out)?;
+    let sought = stiffness::sought(around, &held_out)?;
     at(1);
-    let mut turn = around.with_stiffness(stiffness.unwrap_or(1.0), None, &held_out)?;
+    let mut turn = around.first(&sought, &held_out)?;
     let mut compared = around.compare(&turn)?;
     let mut rounds = vec![compared.round(&held_out)];
     for round in 0..most_rounds {

@@ -2,6 +2,7 @@
 
 use crate::compare::{Compared, compare};
 use crate::learn::learn;
+use crate::stiffness::{ROUGH_RATE_HZ, Sought};
 use crate::wig::{capture, simulated, with_scales};
 use crate::{Lay, Measured, RefineError};
 use tousle_core::{HeadCapture, NoProgress, Track};
@@ -53,8 +54,20 @@ impl Loop<'_> {
         Ok(Turn { fit: self.measured.fit(&taught, held_out)?, likely: turn.likely, scales: taught.scales })
     }
 
-    /// The wind measured with all locks of one wig so many times as stiff as is likely, starting from the air of another
-    /// fit if there is one.
+    /// The wind to begin with, at [`ROUGH_RATE_HZ`] at most: what is learnt from it for the next one changes slowly.
+    pub(crate) fn first(&self, sought: &Sought, held_out: &[usize]) -> Result<Turn, RefineError> {
+        let mut options = self.measured.options.clone();
+        options.rate_hz = options.rate_hz.min(ROUGH_RATE_HZ);
+        let measured = Measured { options: &options, ..*self.measured };
+        Loop { measured: &measured, ..*self }.with_stiffness(
+            sought.likely(),
+            sought.nearest.as_ref(),
+            held_out,
+        )
+    }
+
+    /// The wind measured with all locks of one wig so many times as stiff as is likely, starting from the air of another fit
+    /// if there is one.
     pub(crate) fn with_stiffness(
         &self,
         stiffness: f64,

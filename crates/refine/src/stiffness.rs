@@ -17,7 +17,7 @@ const STEP: f64 = 0.47;
 const MOST_STEPS: usize = 6;
 
 /// Time steps a second, at most, at which a stiffness is tried: all that counts is which comes nearest.
-const RATE_HZ: f64 = 10.0;
+pub(crate) const ROUGH_RATE_HZ: f64 = 10.0;
 
 /// The smallest voxels on which it is tried, m.
 const EDGE_M: f64 = 0.04;
@@ -25,43 +25,65 @@ const EDGE_M: f64 = 0.04;
 /// Swirl modes with which it is tried, at most.
 const MODES: usize = 30;
 
-/// How many times as stiff all locks of the wig are as is likely, judged without those that are held out; `None` where nobody can
-/// tell: if nobody knows how the locks hung at rest, or if nothing was seen after that.
+/// How stiff a wig was found to be.
+#[derive(Default)]
+pub(crate) struct Sought {
+    /// How many times as stiff all its locks are as is likely; `None` where nobody can tell: if nobody knows how they hung at
+    /// rest, or if nothing was seen after that.
+    pub(crate) stiffness: Option<f64>,
+    /// What was found, roughly, with the nearest stiffness that was tried.
+    pub(crate) nearest: Option<Fit>,
+}
+
+impl Sought {
+    /// How many times as stiff all locks are taken for as is likely.
+    pub(crate) fn likely(&self) -> f64 {
+        self.stiffness.unwrap_or(1.0)
+    }
+}
+
+/// How many times as stiff all locks of the wig are as is likely, judged without those that are held out.
 ///
 /// A lock's motion under wind tells little of its stiffness by itself: twice the wind bends twice the stiffness as far, so a fit
 /// finds the wind that goes with the stiffness that it is told. But what inertia, weight and the air's resistance make of the motion
 /// does not change with both. So for each stiffness that is tried the wind is measured anew, roughly, and the wig simulated in it;
 /// that with which it comes nearest is most likely: a profile likelihood in which every lock counts as one measurement of
 /// unknown spread, and what is likely of hair ([`LIKELY`]) as another.
-pub(crate) fn sought(around: &Loop<'_>, held_out: &[usize]) -> Result<Option<f64>, RefineError> {
+pub(crate) fn sought(around: &Loop<'_>, held_out: &[usize]) -> Result<Sought, RefineError> {
     let Measured { head, session, .. } = *around.measured;
     // Where bends count little, a wig that is stiffer hardly moves, in more wind than there was, and so comes nearer.
     if session.still_range(head.first_frame, head.n_frames()).is_none() {
-        return Ok(None);
+        return Ok(Sought::default());
     }
     let options = roughly(around.measured.options);
     let measured = Measured { options: &options, grid: coarse(&around.measured.grid), ..*around.measured };
     let around = Loop { measured: &measured, ..*around };
     let n_locks = around.wig.strand_idxs.len() - held_out.len();
-    let mut before: Option<Fit> = None;
+    let mut nearest: Option<(f64, Fit)> = None;
     let cost = |log: f64| -> Result<f64, RefineError> {
-        let turn = around.with_stiffness(libm::exp(log), before.as_ref(), held_out)?;
+        let from = nearest.as_ref().map(|(_, fit)| fit);
+        let turn = around.with_stiffness(libm::exp(log), from, held_out)?;
         let off_m = around.compare(&turn)?.round(held_out).seen_m;
-        before = Some(turn.fit);
         let unlikely = log / LIKELY;
         let cost = n_locks as f64 * libm::log(off_m) + 0.5 * unlikely * unlikely;
         // Hair that is nowhere is as far off as can be.
-        Ok(if cost.is_nan() { f64::INFINITY } else { cost })
+        let cost = if cost.is_nan() { f64::INFINITY } else { cost };
+        if nearest.as_ref().is_none_or(|(least, _)| cost < *least) {
+            nearest = Some((cost, turn.fit));
+        }
+        Ok(cost)
     };
-    Ok(least(cost)?.map(libm::exp))
+    let stiffness = least(cost)?.map(libm::exp);
+    Ok(Sought { stiffness, nearest: nearest.map(|(_, fit)| fit) })
 }
 
 /// The same way to measure, cheaper, with all locks alike.
 fn roughly(options: &FitOptions) -> FitOptions {
     let mut roughly = options.clone();
-    roughly.rate_hz = roughly.rate_hz.min(RATE_HZ);
+    roughly.rate_hz = roughly.rate_hz.min(ROUGH_RATE_HZ);
     if let FitMethod::Physical(physical) = &mut roughly.method {
         physical.max_modes = physical.max_modes.min(MODES);
+        physical.stiffness_known = false;
         // Bends that may be off by themselves take a share of what a wig is stiffer by.
         physical.locks_differ = false;
     }

@@ -2,6 +2,7 @@
 
 use super::lock::{LockAt, SeenLock};
 use super::moments::across;
+use super::triangle::Triangle;
 use nalgebra::{DMatrix, DVector};
 use tousle_core::Vec3;
 use tousle_rod::{Surface, nonnegative_least_squares};
@@ -50,38 +51,31 @@ impl Touch {
     }
 }
 
-/// What is known of a lock's imbalance: rows of it, combined so that they are independent and of variance 1.
-pub(crate) struct Whitened {
-    pub(crate) moments: DVector<f64>,
-    /// Their change with what is unknown.
-    pub(crate) by_unknowns: DMatrix<f64>,
-    /// Points at which the body pushes.
-    pub(crate) n_pushing: usize,
-}
-
 /// Takes out of a whitened imbalance what the body may do: `of_pushes`, a column for each place where it may push, and
-/// `of_rubs`, two for each of those where it does, being whitened in the same way.
+/// `of_rubs`, two for each of those where it does, being whitened in the same way. Out: at how many places it pushes.
 ///
+/// `white`: rows of the imbalance, combined so that they are independent and of variance 1; first their values, then their change
+/// with each unknown.
 /// The pushes ≥ 0 are those that leave the least imbalance, small ones preferred (`likely_push_n` is their scale, N).
 /// Where it pushes, its push and its friction, up to `friction` of it, are unknowns of that size: what they would explain is
 /// no evidence of wind.
 pub(crate) fn less_body(
-    white: Whitened,
+    white: &mut DMatrix<f64>,
     of_pushes: &DMatrix<f64>,
     of_rubs: impl Fn(&[usize]) -> DMatrix<f64>,
     likely_push_n: f64,
     friction: f64,
-) -> Whitened {
+) -> usize {
     if of_pushes.ncols() == 0 {
-        return white;
+        return 0;
     }
-    let pushes = pushes(&white.moments, of_pushes, likely_push_n);
+    let pushes = pushes(&white.column(0).into_owned(), of_pushes, likely_push_n);
     let pushing: Vec<usize> = (0..pushes.len()).filter(|touch| pushes[*touch] > 0.0).collect();
     if pushing.is_empty() {
-        return white;
+        return 0;
     }
     let of_rubs = of_rubs(&pushing);
-    let mut unknown = DMatrix::zeros(white.moments.len(), 3 * pushing.len());
+    let mut unknown = DMatrix::zeros(white.nrows(), 3 * pushing.len());
     for (k, touch) in pushing.iter().enumerate() {
         unknown.column_mut(3 * k).axpy(likely_push_n, &of_pushes.column(*touch), 0.0);
         for along in 0..2 {
@@ -89,25 +83,21 @@ pub(crate) fn less_body(
             unknown.column_mut(3 * k + 1 + along).axpy(friction * pushes[*touch], &of_rub, 0.0);
         }
     }
-    let n_pushing = pushing.len();
-    let Some(known) = told(&unknown) else { return white };
-    Whitened {
-        moments: &white.moments - &unknown * (&known * &white.moments),
-        by_unknowns: &white.by_unknowns - &unknown * (&known * &white.by_unknowns),
-        n_pushing,
-    }
+    if whiten_anew(white, &unknown).is_some() { pushing.len() } else { 0 }
 }
 
-/// What is told of unknowns C of variance 1 that stand beside errors of variance 1: less C times this, a whitened imbalance is
-/// whitened anew. `None` if a number is not finite.
+/// Whitens columns anew beside whose errors of variance 1 stand unknowns C of variance 1. `None`, and nothing done, if a number is not
+/// finite.
 ///
-/// With `I + CᵀC = LLᵀ` that is `(L + I)⁻ᵀ L⁻¹ Cᵀ` (Andrews, "A square root formulation of the Kalman covariance equations",
-/// 1968): the unknowns are few, so their product is small.
-fn told(unknown: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+/// With `I + CᵀC = LLᵀ` that takes off `C (L + I)⁻ᵀ L⁻¹ Cᵀ` times them (Andrews, "A square root formulation of the Kalman covariance
+/// equations", 1968): the unknowns are few, so their product is small.
+fn whiten_anew(columns: &mut DMatrix<f64>, unknown: &DMatrix<f64>) -> Option<()> {
+    let turned = unknown.transpose();
     let one = DMatrix::identity(unknown.ncols(), unknown.ncols());
-    let lower = (unknown.tr_mul(unknown) + &one).cholesky()?.l();
-    let turn = (&lower + &one).tr_solve_lower_triangular(&lower.solve_lower_triangular(&one)?)?;
-    Some(turn * unknown.transpose())
+    let lower = (&turned * unknown + &one).cholesky()?.l();
+    let told = Triangle::of(&lower).solve(&(turned * &*columns));
+    columns.gemm(-1.0, unknown, &Triangle::of(&(lower + one)).solve_turned(&told), 1.0);
+    Some(())
 }
 
 /// The pushes ≥ 0, N, that leave the least of a whitened imbalance, small ones preferred.
@@ -131,12 +121,9 @@ pub(crate) fn less_pushes(
 mod tests {
     use super::*;
 
-    fn white(moments: &[f64]) -> Whitened {
-        Whitened {
-            moments: DVector::from_row_slice(moments),
-            by_unknowns: DMatrix::identity(moments.len(), moments.len()),
-            n_pushing: 0,
-        }
+    /// Moments, each of which changes with an unknown of its own.
+    fn white(moments: [f64; 2]) -> DMatrix<f64> {
+        DMatrix::from_row_slice(2, 3, &[moments[0], 1.0, 0.0, moments[1], 0.0, 1.0])
     }
 
     /// A push that balances what is left explains it; a pull that would is not there, and the same is evidence of wind.
@@ -145,12 +132,13 @@ mod tests {
         // 1 N outwards makes a moment of 100 in the first row; nothing along the surface does anything.
         let (of_push, of_rubs) =
             (DMatrix::from_row_slice(2, 1, &[100.0, 0.0]), |_: &[usize]| DMatrix::zeros(2, 2));
-        let pushed = less_body(white(&[-5.0, 1.0]), &of_push, of_rubs, 1.0, 0.25);
-        assert_eq!(pushed.n_pushing, 1);
-        assert!(pushed.moments[0].abs() < 0.1 && (pushed.moments[1] - 1.0).abs() < 1e-12);
-        assert!(pushed.by_unknowns[(0, 0)] < 0.02, "wind there is no longer told");
-        let pulled = less_body(white(&[5.0, 1.0]), &of_push, of_rubs, 1.0, 0.25);
-        assert_eq!((pulled.n_pushing, pulled.moments[0]), (0, 5.0));
+        let mut pushed = white([-5.0, 1.0]);
+        assert_eq!(less_body(&mut pushed, &of_push, of_rubs, 1.0, 0.25), 1);
+        assert!(pushed[(0, 0)].abs() < 0.1 && (pushed[(1, 0)] - 1.0).abs() < 1e-12);
+        assert!(pushed[(0, 1)] < 0.02, "wind there is no longer told");
+        let mut pulled = white([5.0, 1.0]);
+        assert_eq!(less_body(&mut pulled, &of_push, of_rubs, 1.0, 0.25), 0);
+        assert_eq!(pulled, white([5.0, 1.0]));
     }
 
     /// What is whitened anew has the covariance I if what it was made of had one of I and the unknowns' product.
@@ -158,7 +146,8 @@ mod tests {
     fn unknowns_are_whitened() {
         let unknown = DMatrix::from_fn(5, 3, |r, c| f64::from((3 * r as u8 + 5 * c as u8) % 7) - 2.5);
         let one = DMatrix::<f64>::identity(5, 5);
-        let whitening = &one - &unknown * told(&unknown).unwrap();
+        let mut whitening = one.clone();
+        whiten_anew(&mut whitening, &unknown).unwrap();
         let covariance = &whitening * (&unknown * unknown.transpose() + &one) * whitening.transpose();
         assert!((covariance - one).amax() < 1e-12);
     }
@@ -168,8 +157,9 @@ mod tests {
     fn friction_is_an_unknown_of_its_size() {
         let of_push = DMatrix::from_row_slice(2, 1, &[100.0, 0.0]);
         let of_rubs = |_: &[usize]| DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 100.0, 0.0]);
-        let rubbed = less_body(white(&[-50.0, 3.0]), &of_push, of_rubs, 1.0, 0.25);
+        let mut rubbed = white([-50.0, 3.0]);
+        assert_eq!(less_body(&mut rubbed, &of_push, of_rubs, 1.0, 0.25), 1);
         // Half a newton pushes: friction's unknown moment has a standard deviation of 12.5 beside the error's 1.
-        assert!((rubbed.moments[1] - 3.0 / libm::hypot(1.0, 12.5)).abs() < 0.01, "{}", rubbed.moments[1]);
+        assert!((rubbed[(1, 0)] - 3.0 / libm::hypot(1.0, 12.5)).abs() < 0.01, "{}", rubbed[(1, 0)]);
     }
 }

@@ -96,26 +96,23 @@ impl Station {
         let (out, winds_by_state) = self.imbalance(balance, air, now, slope);
         let lower = self.lower.as_ref()?;
         let (weight_n, n_winds) = (weight_n(balance.seen), out.by_wind.ncols());
-        let white = contact::Whitened {
-            moments: lower.solve_column(&out.moments),
-            by_unknowns: lower.solve(&beside(&out.by_wind, &out.by_constants)),
-            n_pushing: 0,
-        };
+        let mut white = lower.solve(&beside(&out.moments, &out.by_wind, &out.by_constants));
         let at = &balance.seen.steps[balance.step];
         let of_rubs = |pushing: &[usize]| {
             let columns: Vec<_> = pushing.iter().flat_map(|touch| self.touches[*touch].of_rubs(at)).collect();
             lower.solve(&DMatrix::from_columns(&columns))
         };
-        let white = contact::less_body(white, &self.of_pushes, of_rubs, weight_n, friction);
-        let square = white.moments.norm_squared();
-        let weight = ((ROBUST + white.moments.len() as f64) / (ROBUST + square)).min(1.0);
+        let n_pushing = contact::less_body(&mut white, &self.of_pushes, of_rubs, weight_n, friction);
+        let moments = white.column(0).into_owned();
+        let square = moments.norm_squared();
+        let weight = ((ROBUST + moments.len() as f64) / (ROBUST + square)).min(1.0);
         square.is_finite().then_some(Evidence {
-            moments: white.moments,
-            by_constants: white.by_unknowns.columns_range(n_winds..).into_owned(),
-            by_wind: white.by_unknowns.columns_range(..n_winds).into_owned(),
+            moments,
+            by_wind: white.columns_range(1..=n_winds).into_owned(),
+            by_constants: white.columns_range(n_winds + 1..).into_owned(),
             winds_by_state,
             weight,
-            n_pushing: white.n_pushing,
+            n_pushing,
         })
     }
 
@@ -168,10 +165,10 @@ impl Station {
     }
 }
 
-/// The columns of one matrix, then those of another.
-fn beside(first: &DMatrix<f64>, second: &DMatrix<f64>) -> DMatrix<f64> {
-    let columns: Vec<_> = first.column_iter().chain(second.column_iter()).collect();
-    DMatrix::from_columns(&columns)
+/// A column, then those of a matrix, then those of another.
+fn beside(first: &DVector<f64>, second: &DMatrix<f64>, third: &DMatrix<f64>) -> DMatrix<f64> {
+    let numbers = [first.as_slice(), second.as_slice(), third.as_slice()].concat();
+    DMatrix::from_vec(first.len(), 1 + second.ncols() + third.ncols(), numbers)
 }
 
 fn weight_n(seen: &SeenLock) -> f64 {

@@ -45,6 +45,8 @@ pub(crate) struct Balance<'a> {
     pub(crate) scales: Scales,
     /// What it is off by, as far as is known.
     pub(crate) constants: Constants,
+    /// How many times as stiff as is likely it is for what errors of its bends make of its moments.
+    pub(crate) error_stiffness: f64,
     /// Error of a joint's bend, rad.
     pub(crate) bend_error_rad: f64,
     /// What the balance is known to leave over.

@@ -32,7 +32,7 @@ const ERROR_LASTS_SECS: f64 = 0.1;
 ///
 /// Moments of nested joints err together: a force that is off is off in all of them.
 pub(crate) fn covariance(balance: &Balance<'_>) -> DMatrix<f64> {
-    let Balance { seen, step, step_secs, rest, bend_error_rad, .. } = *balance;
+    let Balance { seen, step, step_secs, rest, error_stiffness, bend_error_rad, .. } = *balance;
     let (lock, at) = (&seen.lock, &seen.steps[step]);
     let n = lock.n_sticks();
     let spread = |k: usize| {
@@ -70,7 +70,7 @@ pub(crate) fn covariance(balance: &Balance<'_>) -> DMatrix<f64> {
     }
     let mut covariance = &mixed * mixed.transpose();
     for j in 0..n {
-        let stiffness = lock.joint_stiffness[j];
+        let stiffness = lock.joint_stiffness[j] * error_stiffness;
         let bend = match rest {
             Some(_) => STIFFNESS_SHARE * at.bends[j].norm() + bend_error_rad,
             None => BEND_UNKNOWN,

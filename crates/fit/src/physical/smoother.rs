@@ -212,7 +212,7 @@ fn with_constants(
     let product = |(a, b): &(usize, usize)| {
         let mut product = DMatrix::zeros(groups[*a].len(), groups[*b].len());
         for (a, b) in forwards[*a].iter().zip(&forwards[*b]) {
-            product.gemm_tr(1.0, a, b, 1.0);
+            product.gemm(1.0, &a.transpose(), b, 1.0);
         }
         product
     };
@@ -279,7 +279,7 @@ fn forward(eliminated: &[Eliminated], columns: impl Iterator<Item = DMatrix<f64>
         if let Some(before) = step.checked_sub(1)
             && let Some(to_next) = &eliminated[before].to_next
         {
-            own.gemm_tr(1.0, to_next, &solved[before], 1.0);
+            own.gemm(1.0, &to_next.transpose(), &solved[before], 1.0);
         }
         solved.push(eliminated[step].lower.solve(&own));
     }

@@ -73,9 +73,9 @@ const GUESS_MPS: f64 = 1.5;
 pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
     let Problem { locks, clock, .. } = problem;
     let fan_wind = fan_wind(problem);
-    let known = problem.taught.air.as_ref().filter(|air| air.states.len() == clock.n_steps);
+    let known = problem.taught.air.as_ref();
     let (mut air, rounds) = match known {
-        Some(air) => (air.clone(), ROUNDS_FROM_KNOWN),
+        Some(air) => (air.in_modes(modes(problem)).at_rate(clock.rate_hz, clock.n_steps), ROUNDS_FROM_KNOWN),
         None => (first_guess(problem, &fan_wind), ROUNDS),
     };
     let mut surroundings = Surroundings::new(problem).with_stations(problem, &air.stream);
@@ -118,7 +118,8 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
 /// What the balance leaves over of locks that move in a known air, by lock.
 pub(crate) fn defects(problem: &Problem<'_>, air: &AirFlow) -> Vec<Defects> {
     let around = Surroundings::new(problem);
-    let n_steps = problem.clock.n_steps.min(air.states.len());
+    let n_steps = problem.clock.n_steps;
+    let air = &air.at_rate(problem.clock.rate_hz, n_steps);
     let of_step = |step: usize| -> Vec<DefectAt> {
         let (stations, now) = (around.stations_at(problem, &air.stream, step), air.now(step));
         let of_lock = |(lock, station): (usize, &Station)| {
@@ -193,6 +194,11 @@ impl Surroundings {
             law: &self.law,
             scales: problem.scales(lock),
             constants: self.constants[lock],
+            error_stiffness: if problem.options.stiffness_known {
+                problem.scales(lock).stiffness
+            } else {
+                1.0
+            },
             bend_error_rad: problem.options.bend_error_rad,
             defect: problem.defect(lock, step),
         }
@@ -258,10 +264,7 @@ fn learnt_share(air: &AirFlow) -> f64 {
 
 /// The fans' wind, no swirls, and wake and layer as they usually are.
 fn first_guess(problem: &Problem<'_>, fan_wind: &[FanWind]) -> AirFlow {
-    let stream = Stream::round(&problem.session.body);
-    let kernel = SwirlKernel { length_m: problem.options.swirl_length_m };
-    let points = mode_points(problem.locks, &stream);
-    let modes = SwirlModes::near(&points, kernel, problem.options.max_modes, MODE_REACH_M);
+    let (stream, modes) = (Stream::round(&problem.session.body), modes(problem));
     let n_modes = modes.n_modes();
     let n = n_modes + N_STREAM;
     let state = |fans: &FanWind| {
@@ -275,7 +278,15 @@ fn first_guess(problem: &Problem<'_>, fan_wind: &[FanWind]) -> AirFlow {
             fans: fans.directions.clone(),
         }
     };
-    AirFlow { stream, modes, swirl_share: SWIRL_SHARE, states: fan_wind.iter().map(state).collect() }
+    let states = fan_wind.iter().map(state).collect();
+    AirFlow { stream, modes, swirl_share: SWIRL_SHARE, rate_hz: problem.clock.rate_hz, states }
+}
+
+/// The shapes that swirls near the hair may have.
+fn modes(problem: &Problem<'_>) -> SwirlModes {
+    let kernel = SwirlKernel { length_m: problem.options.swirl_length_m };
+    let points = mode_points(problem.locks, &Stream::round(&problem.session.body));
+    SwirlModes::near(&points, kernel, problem.options.max_modes, MODE_REACH_M)
 }
 
 /// Where hair ever is, on a lattice, outside the head.

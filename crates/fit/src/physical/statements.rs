@@ -30,8 +30,8 @@ pub(crate) struct LockSaid {
 /// How long errors last that do not ([`PhysicalOptions::fleeting_share`]), s: smoothed tracks say nothing new in less.
 const FLEETING_SECS: f64 = 1.0 / 30.0;
 
-/// Steps that are asked together: of those at either end neighbors are asked as well.
-const ASKED_TOGETHER: usize = 12;
+/// Steps that are asked side by side, before the next are.
+const ASKED_TOGETHER: usize = 50;
 
 /// What the locks say at all steps, made linear in the state of the air.
 pub(crate) fn ask(
@@ -42,28 +42,28 @@ pub(crate) fn ask(
 ) -> Vec<StepSaid> {
     let n_steps = problem.clock.n_steps;
     let counts = Counts::of_steps(1.0 / problem.clock.rate_hz, problem.options);
-    let of_chunk = |chunk: usize| {
-        let first = chunk * ASKED_TOGETHER;
+    let mut said = Vec::with_capacity(n_steps);
+    // What the steps from `from` on say by themselves.
+    let (mut from, mut all): (usize, Vec<Statements>) = (0, Vec::new());
+    for first in (0..n_steps).step_by(ASKED_TOGETHER) {
         let end = (first + ASKED_TOGETHER).min(n_steps);
-        let from = first.saturating_sub(1);
-        let all: Vec<Statements> = (from..(end + 1).min(n_steps))
-            .map(|step| Statements::of(problem, around, air, step, slope))
-            .collect();
-        let said = |step: usize| {
+        let before = first.saturating_sub(1);
+        all.drain(..before - from);
+        from = before;
+        let asked = |step| Statements::of(problem, around, air, step, slope);
+        let new = from + all.len()..(end + 1).min(n_steps);
+        all.extend(new.into_par_iter().map(asked).collect::<Vec<_>>());
+        let of_step = |step: usize| {
             let at = step - from;
             let before = at.checked_sub(1).map(|k| &all[k]);
             let of_locks = all[at].locks.iter().map(|lock| lock.unwrap_or_default()).collect();
-            let (of_air, constants) = all[at].said(before, all.get(at + 1), &counts);
-            let of_constants = if problem.options.locks_differ {
-                all[at].of_constants(before, &counts, &constants)
-            } else {
-                ConstantsAt::default()
-            };
+            let (of_air, of_constants) =
+                all[at].said(before, all.get(at + 1), &counts, problem.options.locks_differ);
             StepSaid { of_locks, of_air, of_constants }
         };
-        (first..end).map(said).collect::<Vec<_>>()
-    };
-    (0..n_steps.div_ceil(ASKED_TOGETHER)).into_par_iter().flat_map_iter(of_chunk).collect()
+        said.extend((first..end).into_par_iter().map(of_step).collect::<Vec<_>>());
+    }
+    said
 }
 
 /// How much a statement counts if its error lasts.
@@ -160,77 +160,121 @@ impl Statements {
         DVector::from_iterator(self.target.len(), repeated)
     }
 
-    /// How much the changes to another step count: nothing where the body pushes, as that comes and goes.
-    fn changes(&self, other: &Self, counts: &Counts) -> DVector<f64> {
-        self.by_row(|lock| match (&self.locks[lock], &other.locks[lock]) {
+    /// What each says by itself.
+    fn own(&self, counts: &Counts) -> Weighed {
+        Weighed {
+            weights: self.by_row(|lock| counts.own * self.weights[lock]),
+            by_constants: self.by_constants.clone(),
+            target: self.target.clone(),
+        }
+    }
+
+    /// What its change to another step says: nothing where the body pushes, as that comes and goes.
+    fn change(&self, other: &Self, counts: &Counts) -> Weighed {
+        let weight = |lock: usize| match (&self.locks[lock], &other.locks[lock]) {
             (Some(a), Some(b)) if !a.touches && !b.touches => {
                 counts.change * f64::min(self.weights[lock], other.weights[lock])
             }
             _ => 0.0,
-        })
-    }
-
-    /// What they say of the air, with their changes from the step before and to the one after; and how each statement's constants
-    /// stand with this step's state.
-    fn said(&self, before: Option<&Self>, after: Option<&Self>, counts: &Counts) -> (Said, DMatrix<f64>) {
-        let mut weights = self.by_row(|lock| counts.own * self.weights[lock]);
-        let mut pull = weights.component_mul(&self.target);
-        let mut constants = scaled(&self.by_constants, &weights);
-        let mut add = |other: &Self| {
-            let changes = self.changes(other, counts);
-            pull += changes.component_mul(&(&self.target - &other.target));
-            constants += scaled(&(&self.by_constants - &other.by_constants), &changes);
-            weights += &changes;
-            changes
         };
-        let with_before =
-            before.map(|before| scaled(&self.by_state, &add(before)).transpose() * &before.by_state);
-        if let Some(after) = after {
-            add(after);
+        Weighed {
+            weights: self.by_row(weight),
+            by_constants: &self.by_constants - &other.by_constants,
+            target: &self.target - &other.target,
         }
-        let turned = scaled(&self.by_state, &weights).transpose();
-        let information = Triangle::of(&(turned * &self.by_state));
-        let of_air = Said { information, vector: self.by_state.tr_mul(&pull), with_before };
-        (of_air, constants)
     }
 
-    /// What they say of the constants, with their changes from the step before. `weighted`: as [`Self::said`] tells.
-    fn of_constants(&self, before: Option<&Self>, counts: &Counts, weighted: &DMatrix<f64>) -> ConstantsAt {
+    /// What they say of the air, with their changes from the step before and to the one after; and of the constants, if locks differ.
+    fn said(
+        &self,
+        before: Option<&Self>,
+        after: Option<&Self>,
+        counts: &Counts,
+        locks_differ: bool,
+    ) -> (Said, ConstantsAt) {
+        let own = self.own(counts);
+        let from_before = before.map(|before| self.change(before, counts));
+        let to_after = after.map(|after| self.change(after, counts));
+        let (mut weights, mut pull) = (own.weights.clone(), own.weights.component_mul(&own.target));
+        for change in [&from_before, &to_after].into_iter().flatten() {
+            weights += &change.weights;
+            pull += change.weights.component_mul(&change.target);
+        }
+        // What is multiplied is turned first: the library's products of turned matrices are several times as slow.
+        let turned = self.by_state.transpose();
+        let with_before = before.zip(from_before.as_ref());
+        let with_before =
+            with_before.map(|(before, change)| weighed(&turned, &change.weights) * &before.by_state);
+        let information = Triangle::of(&(weighed(&turned, &weights) * &self.by_state));
+        let of_air = Said { information, vector: self.by_state.tr_mul(&pull), with_before };
+        let of_constants = if locks_differ {
+            self.of_constants(&turned, &own, from_before.as_ref(), to_after.as_ref())
+        } else {
+            ConstantsAt::default()
+        };
+        (of_air, of_constants)
+    }
+
+    /// What they say of the constants. A change between two steps is said of them by the later one, of them with the air by both.
+    /// `by_state`: that of all statements, turned.
+    fn of_constants(
+        &self,
+        by_state: &DMatrix<f64>,
+        own: &Weighed,
+        from_before: Option<&Weighed>,
+        to_after: Option<&Weighed>,
+    ) -> ConstantsAt {
         let n_all = self.n_rows.len() * N_CONSTANTS;
         let mut said = ConstantsAt {
             information: Vec::with_capacity(self.n_rows.len()),
             vector: DVector::zeros(n_all),
-            with_air: DMatrix::zeros(self.by_state.ncols(), n_all),
+            with_air: DMatrix::zeros(by_state.nrows(), n_all),
         };
-        let own = self.by_row(|lock| counts.own * self.weights[lock]);
-        let changes = before.map(|before| {
-            let (by_constants, target) =
-                (&self.by_constants - &before.by_constants, &self.target - &before.target);
-            (by_constants, target, self.changes(before, counts))
-        });
-        let terms =
-            [Some((&self.by_constants, &self.target, &own)), changes.as_ref().map(|(b, t, w)| (b, t, w))];
         let mut first = 0;
         for (lock, n) in self.n_rows.iter().enumerate() {
             let (mut information, at) = (DMatrix::zeros(N_CONSTANTS, N_CONSTANTS), lock * N_CONSTANTS);
-            for (by_constants, target, weights) in terms.iter().flatten() {
-                let rows = by_constants.rows(first, *n);
-                let turned = scaled(&rows.into_owned(), &weights.rows(first, *n).into_owned()).transpose();
-                information.gemm(1.0, &turned, &rows, 1.0);
-                said.vector.rows_mut(at, N_CONSTANTS).gemv(1.0, &turned, &target.rows(first, *n), 1.0);
+            let mut with_state = DMatrix::zeros(*n, N_CONSTANTS);
+            for term in [Some(own), from_before].into_iter().flatten() {
+                let rows = term.by_constants.rows(first, *n);
+                let counted = term.counted_constants(first, *n);
+                information.gemm(1.0, &counted.transpose(), &rows, 1.0);
+                let target = term.target.rows(first, *n);
+                said.vector.rows_mut(at, N_CONSTANTS).gemv_tr(1.0, &counted, &target, 1.0);
+                with_state += counted;
+            }
+            if let Some(term) = to_after {
+                with_state += term.counted_constants(first, *n);
             }
             said.information.push(information);
-            let (by_state, weighted) = (self.by_state.rows(first, *n), weighted.rows(first, *n));
-            said.with_air.columns_mut(at, N_CONSTANTS).gemm_tr(1.0, &by_state, &weighted, 0.0);
+            let by_state = by_state.columns(first, *n);
+            said.with_air.columns_mut(at, N_CONSTANTS).gemm(1.0, &by_state, &with_state, 0.0);
             first += n;
         }
         said
     }
 }
 
-/// A matrix with its rows times some numbers.
-fn scaled(matrix: &DMatrix<f64>, by_row: &DVector<f64>) -> DMatrix<f64> {
-    let mut scaled = matrix.clone();
-    scaled.column_iter_mut().for_each(|mut column| column.component_mul_assign(by_row));
-    scaled
+/// Statements, or their changes from one step to another.
+struct Weighed {
+    /// How much each counts.
+    weights: DVector<f64>,
+    by_constants: DMatrix<f64>,
+    target: DVector<f64>,
+}
+
+impl Weighed {
+    /// How some of them change with the constants, by how much they count.
+    fn counted_constants(&self, first: usize, n: usize) -> DMatrix<f64> {
+        let mut counted = self.by_constants.rows(first, n).into_owned();
+        let weights = self.weights.rows(first, n);
+        counted.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
+        counted
+    }
+}
+
+/// A matrix with its columns times some numbers.
+fn weighed(matrix: &DMatrix<f64>, weights: &DVector<f64>) -> DMatrix<f64> {
+    let mut weighed = matrix.clone();
+    weighed.column_iter_mut().zip(weights).for_each(|(mut column, weight)| column *= *weight);
+    weighed
 }

@@ -12,7 +12,7 @@ pub struct Taught {
     pub scales: Vec<Scales>,
     /// What the balance of moments leaves over of each.
     pub defects: Vec<Option<Defects>>,
-    /// The air that was found before, of as many steps: to start from, so that fewer rounds are needed.
+    /// The air that was found before, at any rate: to start from, so that fewer rounds are needed.
     pub air: Option<AirFlow>,
 }
 

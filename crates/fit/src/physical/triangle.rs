@@ -43,30 +43,50 @@ impl Triangle {
 
     /// A factor's inverse times some columns.
     pub(crate) fn solve(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut solved = columns.clone();
-        for some in solved.as_mut_slice().chunks_mut(TOGETHER * self.n.max(1)) {
-            match some.len() / self.n {
-                ..3 => self.solve_beside::<2>(some),
-                _ => self.solve_beside::<TOGETHER>(some),
-            }
-        }
-        solved
+        self.solved(columns, false)
+    }
+
+    /// The inverse of a factor, turned, times some columns.
+    pub(crate) fn solve_turned(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        self.solved(columns, true)
     }
 
     /// A factor's inverse times a column.
     pub(crate) fn solve_column(&self, column: &DVector<f64>) -> DVector<f64> {
         let mut solved = column.clone();
-        self.solve_beside::<1>(solved.as_mut_slice());
+        self.solve_beside::<1>(solved.as_mut_slice(), false);
+        solved
+    }
+
+    fn solved(&self, columns: &DMatrix<f64>, is_turned: bool) -> DMatrix<f64> {
+        let mut solved = columns.clone();
+        for some in solved.as_mut_slice().chunks_mut(TOGETHER * self.n.max(1)) {
+            match some.len() / self.n {
+                ..3 => self.solve_beside::<2>(some, is_turned),
+                _ => self.solve_beside::<TOGETHER>(some, is_turned),
+            }
+        }
         solved
     }
 
     /// Solves for at most `N` columns, which follow one another. Beside one another each number of the factor is read once for
-    /// all of them; each column's own sums go from the first number to the last, however many are beside it.
-    fn solve_beside<const N: usize>(&self, columns: &mut [f64]) {
+    /// all of them; each column's own sums are taken in the same order, however many are beside it.
+    fn solve_beside<const N: usize>(&self, columns: &mut [f64], is_turned: bool) {
         let mut beside = vec![[0.0; N]; self.n];
         for (k, column) in columns.chunks_exact(self.n).enumerate() {
             beside.iter_mut().zip(column).for_each(|(row, value)| row[k] = *value);
         }
+        if is_turned {
+            self.last_to_first(&mut beside);
+        } else {
+            self.first_to_last(&mut beside);
+        }
+        for (k, column) in columns.chunks_exact_mut(self.n).enumerate() {
+            beside.iter().zip(column).for_each(|(row, value)| *value = row[k]);
+        }
+    }
+
+    fn first_to_last<const N: usize>(&self, beside: &mut [[f64; N]]) {
         // Before the first number there is nothing to take off.
         let first = beside.iter().position(|row| *row != [0.0; N]).unwrap_or(self.n);
         for r in first..self.n {
@@ -77,29 +97,9 @@ impl Triangle {
             }
             rest[0] = left.map(|left| left / row[r]);
         }
-        for (k, column) in columns.chunks_exact_mut(self.n).enumerate() {
-            beside.iter().zip(column).for_each(|(row, value)| *value = row[k]);
-        }
     }
 
-    /// The inverse of a factor, turned, times some columns.
-    pub(crate) fn solve_turned(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut solved = columns.clone();
-        for some in solved.as_mut_slice().chunks_mut(TOGETHER * self.n.max(1)) {
-            match some.len() / self.n {
-                ..3 => self.solve_turned_beside::<2>(some),
-                _ => self.solve_turned_beside::<TOGETHER>(some),
-            }
-        }
-        solved
-    }
-
-    /// The same as [`Self::solve_beside`], from the last number to the first.
-    fn solve_turned_beside<const N: usize>(&self, columns: &mut [f64]) {
-        let mut beside = vec![[0.0; N]; self.n];
-        for (k, column) in columns.chunks_exact(self.n).enumerate() {
-            beside.iter_mut().zip(column).for_each(|(row, value)| row[k] = *value);
-        }
+    fn last_to_first<const N: usize>(&self, beside: &mut [[f64; N]]) {
         for r in (0..self.n).rev() {
             let (rest, solved) = beside.split_at_mut(r);
             let row = self.row(r);
@@ -108,9 +108,6 @@ impl Triangle {
             for (factor, rest) in row.iter().zip(rest) {
                 rest.iter_mut().zip(own).for_each(|(left, own)| *left -= factor * own);
             }
-        }
-        for (k, column) in columns.chunks_exact_mut(self.n).enumerate() {
-            beside.iter().zip(column).for_each(|(row, value)| *value = row[k]);
         }
     }
 
