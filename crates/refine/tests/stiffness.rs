@@ -156,10 +156,10 @@ fn capture(groom: &Groom) -> HeadCapture {
 
 fn refined(stiffer: f64) -> Refined {
     let groom = groom(LIKELY_STIFFNESS * stiffer);
-    refined_by(&capture(&groom), &session(&groom))
+    refined_by(&capture(&groom), &session(&groom), &RefineOptions::quick())
 }
 
-fn refined_by(head: &HeadCapture, session: &Session) -> Refined {
+fn refined_by(head: &HeadCapture, session: &Session, how: &RefineOptions) -> Refined {
     let scene = scene();
     let options = FitOptions {
         method: FitMethod::Physical(PhysicalOptions::default()),
@@ -171,7 +171,7 @@ fn refined_by(head: &HeadCapture, session: &Session) -> Refined {
         let raster = RasterOptions { method: RasterMethod::Physical, grid: *grid };
         Ok(rasterize(&fit.samples, &fit.outside, fit.air.as_ref(), &raster, &NoProgress)?.sequence)
     };
-    refine(&measured, &lay, &RefineOptions::quick(), &NoProgress).unwrap()
+    refine(&measured, &lay, how, &NoProgress).unwrap()
 }
 
 /// Mean speed at the markers over that of the wind, once it blows.
@@ -215,6 +215,20 @@ fn a_wig_is_found_to_be_as_stiff_as_it_is() {
 fn a_wig_that_nobody_saw_at_rest_is_taken_for_likely() {
     let groom = groom(LIKELY_STIFFNESS * 2.5);
     let session = Session { still_frames: None, wind_start_frame: None, ..session(&groom) };
-    let refined = refined_by(&capture(&groom), &session);
+    let refined = refined_by(&capture(&groom), &session, &RefineOptions::quick());
     assert_eq!(refined.report.stiffness, None);
+}
+
+/// The wind that rounds begin with is coarser in time; if none is kept, or gone, the wind is as fine as it shall be all the same.
+#[test]
+fn whatever_rounds_are_kept_the_wind_has_the_rate_of_the_field() {
+    let groom = groom(LIKELY_STIFFNESS);
+    for rounds in [0, 1] {
+        let how = RefineOptions { rounds, ..RefineOptions::quick() };
+        let refined = refined_by(&capture(&groom), &session(&groom), &how);
+        assert_eq!(refined.fit.samples.rate_hz, FIELD_RATE_HZ);
+        assert_eq!(refined.fit.outside.len(), (DURATION_SECS * FIELD_RATE_HZ) as usize);
+        assert_eq!(refined.report.kept, rounds, "{:?}", refined.report);
+        assert_eq!(refined.field.map(|field| field.rate_hz), (rounds > 0).then_some(FIELD_RATE_HZ));
+    }
 }
