@@ -327,7 +327,7 @@ mod tests {
         let mut row = vec![0.0; 3 * n];
         modes.at(here, &mut row);
         // The likeliest swirl that blows at 1 along x here.
-        let now = nalgebra::DVector::from_row_slice(&row[..n]);
+        let now = DVector::from_row_slice(&row[..n]);
         let then = modes.carried(&Pose::from(-travel_m)) * &now;
         modes.at(here + travel_m, &mut row);
         let blows: f64 = row[..n].iter().zip(&then).map(|(shape, c)| shape * c).sum();
