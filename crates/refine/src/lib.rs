@@ -31,7 +31,7 @@ pub struct RefineOptions {
     /// The most rounds.
     pub rounds: usize,
     /// Every so many locks one is held out to say how many rounds serve. `None`: all locks are gone round with at once, for as
-    /// long as they themselves come nearer to where they were seen; that takes a third of the time.
+    /// long as they themselves come nearer to where they were seen; that takes less than half of the time.
     pub held_out: Option<NonZeroUsize>,
 }
 
