@@ -74,14 +74,18 @@ impl AirState {
     /// What it is a `share` of the way to another, 0 to 1; its fans are the nearer one's.
     fn towards(&self, other: &Self, share: f64) -> Self {
         let swirl_mps = self.swirl_mps + (other.swirl_mps - self.swirl_mps) * share;
-        let fans = if share < 0.5 { &self.fans } else { &other.fans };
         let [from, to] = [self, other].map(|state| {
-            let values = state.values.clone();
-            let mut state = Self { values, covariance: None, fans: fans.clone(), ..*state };
+            let mut state = state.of_values(state.values.clone());
             state.rescale(swirl_mps);
             state
         });
-        Self { values: from.values.lerp(&to.values, share), ..from }
+        let values = from.values.lerp(&to.values, share);
+        if share < 0.5 { from.of_values(values) } else { to.of_values(values) }
+    }
+
+    /// The same air with other values, or with its own; nothing is known of how sure they are.
+    fn of_values(&self, values: DVector<f64>) -> Self {
+        Self { values, covariance: None, fans: self.fans.clone(), ..*self }
     }
 }
 
@@ -108,19 +112,8 @@ impl AirFlow {
     /// The same air without how sure it is, which is most of what it holds.
     #[must_use]
     pub fn without_covariances(&self) -> Self {
-        let state = |state: &AirState| AirState {
-            values: state.values.clone(),
-            covariance: None,
-            swirl_mps: state.swirl_mps,
-            fans: state.fans.clone(),
-        };
-        Self {
-            stream: self.stream,
-            modes: self.modes.clone(),
-            swirl_share: self.swirl_share,
-            rate_hz: self.rate_hz,
-            states: self.states.iter().map(state).collect(),
-        }
+        let states = self.states.iter().map(|state| state.of_values(state.values.clone())).collect();
+        Self { stream: self.stream, modes: self.modes.clone(), states, ..*self }
     }
 
     /// The same air at other steps of the same time: between two of its own in proportion, after the last as there. Nothing is known
@@ -146,7 +139,7 @@ impl AirFlow {
             let swirls = modes.coefficients(&self.modes.flow(swirls));
             let n = modes.n_modes() + N_STREAM;
             let values = DVector::from_iterator(n, swirls.into_iter().chain(others.iter().copied()));
-            AirState { values, covariance: None, fans: state.fans.clone(), ..*state }
+            state.of_values(values)
         };
         let states = self.states.iter().map(state).collect();
         Self { stream: self.stream, modes, states, ..*self }

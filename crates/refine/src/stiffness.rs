@@ -16,7 +16,8 @@ const STEP: f64 = 0.47;
 /// How many steps are gone at most from the nearer of the first two: up to 27 times as stiff as is likely, or a 17th.
 const MOST_STEPS: usize = 6;
 
-/// Time steps a second, at most, at which a stiffness is tried: all that counts is which comes nearest.
+/// Time steps a second, at most, of winds that are only learnt from: as a stiffness is tried, where all that counts is which comes
+/// nearest.
 pub(crate) const ROUGH_RATE_HZ: f64 = 10.0;
 
 /// The smallest voxels on which it is tried, m.
