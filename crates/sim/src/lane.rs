@@ -72,6 +72,9 @@ pub(crate) trait Lane:
     /// How many strands.
     const N: usize;
 
+    /// Whether this is one strand alone, in double precision.
+    const IS_ONE_DOUBLE: bool = Self::N == 1 && size_of::<Self>() == size_of::<f64>();
+
     /// Calls something, compiled for registers as wide as this.
     ///
     /// # Panics

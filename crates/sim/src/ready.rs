@@ -2,12 +2,12 @@
 
 use crate::assumptions::assumptions;
 use crate::frames::{Frames, max_stretch, single};
-use crate::lane::{Lane, Registers, WithLanes};
+use crate::lane::Registers;
 use crate::mechanics::{Mechanics, Setting};
 use crate::parts::{Count, Part, run_parts};
 use crate::plan::plan;
 use crate::prepared::{Prepared, order};
-use crate::run::{Lanes, Run};
+use crate::run::{Abreast, Run, SideBySide};
 use crate::stability;
 use crate::timeline::{Runs, Timeline};
 use crate::touchable::{n_reaching, within_reach};
@@ -15,7 +15,6 @@ use crate::trace::Whereabouts;
 use crate::{Integrator, Keeper, Precision, SimError, SimOptions, SimReport, Simulation, Steps};
 use core::any::Any;
 use core::fmt::Debug;
-use core::marker::PhantomData;
 use rayon::prelude::*;
 use std::sync::Arc;
 use tousle_core::{NoProgress, Progress, StrandMotion};
@@ -91,9 +90,9 @@ pub(crate) trait Resident: Debug + Send + Sync {
 pub(crate) type Held = Arc<dyn Any + Send + Sync>;
 
 /// Strands that were stopped at a frame.
-struct Stopped<M: Mechanics, L: Lane> {
+struct Stopped<M: Mechanics> {
     frame: usize,
-    batches: Vec<Lanes<M, L>>,
+    strands: Box<dyn Abreast<M>>,
 }
 
 /// All that layers on the field do not change.
@@ -103,21 +102,7 @@ pub(crate) struct Ready<'a, M: Mechanics> {
     timeline: Timeline<'a>,
     sampler: Sampler<'a>,
     strands: Vec<Prepared<M::Shape>>,
-}
-
-/// The same, to be run with lanes that fit some registers.
-#[derive(Debug)]
-struct InLanes<'a, M: Mechanics, L> {
-    ready: Ready<'a, M>,
-    lanes: PhantomData<L>,
-}
-
-impl<'a, M: Mechanics> WithLanes for Ready<'a, M> {
-    type Output = Box<dyn Resident + 'a>;
-
-    fn with<L: Lane>(self) -> Self::Output {
-        Box::new(InLanes::<M, L> { ready: self, lanes: PhantomData })
-    }
+    side_by_side: SideBySide<M>,
 }
 
 impl<'a, M: Mechanics> Ready<'a, M> {
@@ -133,10 +118,10 @@ impl<'a, M: Mechanics> Ready<'a, M> {
         registers: Registers,
         precision: Precision,
     ) -> Result<Box<dyn Resident + 'a>, SimError> {
-        Ok(registers.with_lanes(precision, Self::new(setting)?))
+        Ok(Box::new(Self::new(setting, SideBySide::of(registers, precision))?))
     }
 
-    fn new(setting: Setting<'a>) -> Result<Self, SimError> {
+    fn new(setting: Setting<'a>, side_by_side: SideBySide<M>) -> Result<Self, SimError> {
         let Setting { field, scene, groom, options } = setting;
         let mut timeline = Timeline::new(field, scene, options, groom.n_points())?;
         timeline.cut(options.dt_secs.unwrap_or(SimOptions::DEFAULT_DT_SECS))?;
@@ -144,7 +129,7 @@ impl<'a, M: Mechanics> Ready<'a, M> {
         stability::check_digits(precision, timeline.dt_secs(), M::SHORTEST_SINGLE_SECS)?;
         let strands = M::prepare(&setting, &timeline);
         let sampler = within_reach(Sampler::new(field, M::is_solid(scene)), strands.iter().map(|p| &p.lock));
-        Ok(Self { setting, timeline, sampler, strands })
+        Ok(Self { setting, timeline, sampler, strands, side_by_side })
     }
 
     /// The run under some layers.
@@ -206,43 +191,38 @@ impl<'a, M: Mechanics> Ready<'a, M> {
             dt_secs,
         })
     }
-}
 
-impl<M: Mechanics, L: Lane> InLanes<'_, M, L> {
-    fn at_rest(&self, run: &Run<'_, M>, strands: &[usize]) -> Vec<Lanes<M, L>> {
-        let prepared = &self.ready.strands;
-        let lanes = |some: &[usize]| Lanes::at_rest(&run.mechanics, prepared, some);
-        order(prepared, strands).par_chunks(L::N).map(lanes).collect()
+    fn at_rest(&self, run: &Run<'_, M>, strands: &[usize]) -> Box<dyn Abreast<M>> {
+        (self.side_by_side.at_rest)(&run.mechanics, &self.strands, &order(&self.strands, strands))
     }
 
     /// Some strands from the first frame to the last.
     fn move_strands(&self, run: &Run<'_, M>, strands: &[usize], progress: &dyn Progress) -> Part {
-        let mut batches = self.at_rest(run, strands);
-        let positions_m = self.move_batches(run, strands, &mut batches, progress);
-        let count = batches.iter().fold(Count::default(), |sum, lanes| sum.and(M::count(&lanes.batch)));
-        Part { positions_m, count }
+        let mut moving = self.at_rest(run, strands);
+        let positions_m = self.move_all(run, strands, moving.as_mut(), progress);
+        Part { positions_m, count: moving.count() }
     }
 
-    /// Batches of some strands from the first frame to the last.
-    fn move_batches(
+    /// Some strands that are at rest from the first frame to the last.
+    fn move_all(
         &self,
         run: &Run<'_, M>,
         strands: &[usize],
-        batches: &mut [Lanes<M, L>],
+        moving: &mut dyn Abreast<M>,
         progress: &dyn Progress,
     ) -> Vec<[f32; 3]> {
         let last = run.timeline.n_frames - 1;
-        let mut frames = Frames::new(self.ready.setting.groom, strands, last + 1);
-        run.advance(batches, (0, last), progress, |frame, strands, points| {
+        let mut frames = Frames::new(self.setting.groom, strands, last + 1);
+        run.advance(moving, (0, last), progress, &mut |frame, strands, points| {
             frames.put(frame, strands, points);
         });
         frames.positions_m
     }
 }
 
-impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
+impl<M: Mechanics> Resident for Ready<'_, M> {
     fn times_secs(&self) -> Vec<f64> {
-        let timeline = &self.ready.timeline;
+        let timeline = &self.timeline;
         (0..timeline.n_frames).map(|frame| timeline.frame_secs(frame)).collect()
     }
 
@@ -253,26 +233,26 @@ impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
         progress: &dyn Progress,
         runs: Runs,
     ) -> Result<Simulation, SimError> {
-        let (ready, groom) = (&self.ready, self.ready.setting.groom);
-        let run = ready.under(layers, runs)?;
-        let all: Vec<usize> = (0..ready.strands.len()).collect();
+        let groom = self.setting.groom;
+        let run = self.under(layers, runs)?;
+        let all: Vec<usize> = (0..self.strands.len()).collect();
         let spans = (run.timeline.n_frames, run.timeline.n_steps());
-        let order = order(&ready.strands, &all);
+        let order = order(&self.strands, &all);
         let moved = run_parts(groom, &order, spans, keeper, progress, |strands, progress| {
             self.move_strands(&run, strands, progress)
         })?;
         let (counts, times_secs) = (groom.counts(), self.times_secs());
         let motion = StrandMotion { counts, times_secs, positions_m: moved.positions_m };
         if run.limit.is_some() {
-            ready.check_whole(&motion, run.timeline.dt_secs())?;
+            self.check_whole(&motion, run.timeline.dt_secs())?;
         }
-        let report = ready.report(&run, &motion, moved.count);
+        let report = self.report(&run, &motion, moved.count);
         Ok(Simulation { motion, report })
     }
 
     fn steps(&self, layers: &[FieldLayer]) -> Result<Steps, SimError> {
-        let Ready { setting, timeline, .. } = &self.ready;
-        let run = self.ready.under(layers, Runs::Once)?;
+        let Self { setting, timeline, .. } = self;
+        let run = self.under(layers, Runs::Once)?;
         Ok(Steps {
             per_second: 1.0 / run.timeline.dt_secs(),
             in_all: run.timeline.n_steps(),
@@ -282,7 +262,7 @@ impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
     }
 
     fn run_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<Vec<[f32; 3]>, SimError> {
-        let run = self.ready.under(layers, Runs::Again)?;
+        let run = self.under(layers, Runs::Again)?;
         Ok(self.move_strands(&run, strands, &NoProgress).positions_m)
     }
 
@@ -292,11 +272,11 @@ impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
         strands: &[usize],
         progress: &dyn Progress,
     ) -> Result<(Vec<[f32; 3]>, Whereabouts), SimError> {
-        let run = self.ready.under(layers, Runs::Again)?;
-        let mut batches = self.at_rest(&run, strands);
-        batches.iter_mut().for_each(Lanes::keep_asked);
-        let positions_m = self.move_batches(&run, strands, &mut batches, progress);
-        let mut asked: Vec<_> = batches.iter().flat_map(Lanes::asked).collect();
+        let run = self.under(layers, Runs::Again)?;
+        let mut moving = self.at_rest(&run, strands);
+        moving.keep_asked();
+        let positions_m = self.move_all(&run, strands, moving.as_mut(), progress);
+        let mut asked = moving.asked();
         asked.sort_unstable_by_key(|(strand, _)| *strand);
         let spans =
             run.blocks((0, run.timeline.n_frames - 1)).map(|steps| run.timeline.wind_span_secs(&steps));
@@ -305,7 +285,7 @@ impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
     }
 
     fn is_local(&self) -> bool {
-        let Ready { setting, timeline, sampler, .. } = &self.ready;
+        let Self { setting, timeline, sampler, .. } = self;
         let integrator = setting.options.integrator();
         // Hair that sleeps at first wakes as soon as wind blows anywhere, be it a layer's.
         let sleeps = timeline.wind_secs(timeline.step_secs(1)).is_none_or(|secs| sampler.is_still_at(secs));
@@ -314,28 +294,28 @@ impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
     }
 
     fn hold(&self, layers: &[FieldLayer], strands: &[usize], frame: usize) -> Result<Held, SimError> {
-        let run = self.ready.under(layers, Runs::Again)?;
+        let run = self.under(layers, Runs::Again)?;
         // An explicit integrator's steps are as long as all layers allow: it begins anew under others.
-        let frame = if self.ready.setting.options.integrator().is_limited() { 0 } else { frame };
-        let mut batches = self.at_rest(&run, strands);
-        run.advance(&mut batches, (0, frame), &NoProgress, |_, _, _| ());
-        Ok(Arc::new(Stopped { frame, batches }))
+        let frame = if self.setting.options.integrator().is_limited() { 0 } else { frame };
+        let mut strands = self.at_rest(&run, strands);
+        run.advance(strands.as_mut(), (0, frame), &NoProgress, &mut |_, _, _| ());
+        Ok(Arc::new(Stopped { frame, strands }))
     }
 
     fn hold_on(&self, held: &Held, layers: &[FieldLayer], frame: usize) -> Result<Held, SimError> {
-        if self.ready.setting.options.integrator().is_limited() {
+        if self.setting.options.integrator().is_limited() {
             return Ok(held.clone());
         }
-        let stopped = Stopped::<M, L>::of(held);
-        let run = self.ready.under(layers, Runs::Again)?;
-        let mut batches = stopped.batches.clone();
-        run.advance(&mut batches, (stopped.frame, frame), &NoProgress, |_, _, _| ());
-        Ok(Arc::new(Stopped { frame, batches }))
+        let stopped = Stopped::<M>::of(held);
+        let run = self.under(layers, Runs::Again)?;
+        let mut strands = stopped.strands.fork();
+        run.advance(strands.as_mut(), (stopped.frame, frame), &NoProgress, &mut |_, _, _| ());
+        Ok(Arc::new(Stopped { frame, strands }))
     }
 
     fn n_at_once(&self) -> usize {
         // An explicit integrator's steps are as long as each variant allows.
-        if self.ready.setting.options.integrator().is_limited() { 1 } else { L::N }
+        if self.setting.options.integrator().is_limited() { 1 } else { self.side_by_side.n }
     }
 
     fn go_on(
@@ -345,10 +325,10 @@ impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
         strands: &[usize],
         (first, last): (usize, usize),
     ) -> Result<Vec<[f32; 3]>, SimError> {
-        let stopped = Stopped::<M, L>::of(held);
-        let run = self.ready.under(layers, Runs::Again)?;
-        let mut frames = Frames::new(self.ready.setting.groom, strands, last - first + 1);
-        stopped.go_on(&run, stopped.batches.clone(), (first, last), |frame, strands, points| {
+        let stopped = Stopped::<M>::of(held);
+        let run = self.under(layers, Runs::Again)?;
+        let mut frames = Frames::new(self.setting.groom, strands, last - first + 1);
+        stopped.go_on(&run, stopped.strands.fork(), (first, last), &mut |frame, strands, points| {
             frames.put(frame, strands, points);
         });
         Ok(frames.positions_m)
@@ -362,8 +342,8 @@ impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
         strand: usize,
         frames: (usize, usize),
     ) -> Result<Vec<Vec<[f32; 3]>>, SimError> {
-        let stopped = Stopped::<M, L>::of(held);
-        let root = single(self.ready.setting.groom.strands[strand].rest_curve_m[0]);
+        let stopped = Stopped::<M>::of(held);
+        let root = single(self.setting.groom.strands[strand].rest_curve_m[0]);
         let n_at_once = self.n_at_once();
         let some: Vec<_> = variants
             .par_chunks(n_at_once)
@@ -371,11 +351,11 @@ impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
                 let all = [&[layers], variants].concat().concat();
                 // One a lane: where there are fewer variants, the last one runs again and is not read.
                 let each: Vec<_> = (0..n_at_once).map(|k| variants[k.min(variants.len() - 1)]).collect();
-                let sampler = self.ready.sampler.with_variants(layers, &each);
-                let run = Run { sampler, ..self.ready.under(&all, Runs::Again)? };
-                let lanes = stopped.batches[0].variants(variants.len());
+                let sampler = self.sampler.with_variants(layers, &each);
+                let run = Run { sampler, ..self.under(&all, Runs::Again)? };
+                let strands = stopped.strands.variants(variants.len());
                 let mut moved = vec![Vec::new(); variants.len()];
-                stopped.go_on(&run, vec![lanes], frames, |_, _, points| {
+                stopped.go_on(&run, strands, frames, &mut |_, _, points| {
                     for (moved, points) in
                         moved.iter_mut().zip(points.chunks_exact(points.len() / variants.len()))
                     {
@@ -390,23 +370,23 @@ impl<M: Mechanics, L: Lane> Resident for InLanes<'_, M, L> {
     }
 }
 
-impl<M: Mechanics, L: Lane> Stopped<M, L> {
+impl<M: Mechanics> Stopped<M> {
     fn of(held: &Held) -> &Self {
         held.downcast_ref().expect("strands held by a simulator of this method")
     }
 
-    /// Batches of what was stopped, on to the last of some frames. `put` gets these, counted from the first.
+    /// What was stopped, or variants of it, on to the last of some frames. `put` gets these, counted from the first.
     fn go_on(
         &self,
         run: &Run<'_, M>,
-        mut batches: Vec<Lanes<M, L>>,
+        mut strands: Box<dyn Abreast<M>>,
         (first, last): (usize, usize),
-        mut put: impl FnMut(usize, &[usize], &[[f32; 3]]) + Send,
+        put: &mut (dyn FnMut(usize, &[usize], &[[f32; 3]]) + Send),
     ) {
         if self.frame == first {
-            batches.iter().for_each(|lanes| put(0, lanes.strands(), &lanes.points()));
+            strands.indices().iter().zip(strands.points()).for_each(|(some, points)| put(0, some, &points));
         }
-        run.advance(&mut batches, (self.frame, last), &NoProgress, |frame, strands, points| {
+        run.advance(strands.as_mut(), (self.frame, last), &NoProgress, &mut |frame, strands, points| {
             if frame >= first {
                 put(frame - first, strands, points);
             }

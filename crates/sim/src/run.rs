@@ -1,12 +1,16 @@
 //! The loop over steps and batches.
 
+use crate::Precision;
 use crate::extent::{Extent, Region};
 use crate::frames::Places;
-use crate::lane::Lane;
+use crate::lane::{Lane, Registers, WithLanes};
 use crate::mechanics::Mechanics;
+use crate::parts::Count;
 use crate::prepared::Prepared;
 use crate::stability::Limit;
 use crate::timeline::Timeline;
+use core::fmt::Debug;
+use core::marker::PhantomData;
 use core::ops::Range;
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
@@ -26,11 +30,11 @@ pub(crate) struct Run<'a, M> {
 
 /// Strands side by side, one a lane.
 #[derive(Clone, Debug)]
-pub(crate) struct Lanes<M: Mechanics, L: Lane> {
+struct Lanes<M: Mechanics, L: Lane> {
     /// Index of the strand in each lane that is read, and how many sticks it has.
     strands: Vec<usize>,
     n_sticks: Vec<usize>,
-    pub batch: M::Batch<L>,
+    batch: M::Batch<L>,
     /// Where the strands asked the field, block after block, and of each strand after strand; empty if nobody wants to know.
     asked: Vec<Region>,
 }
@@ -44,25 +48,25 @@ impl<M: Mechanics> Run<'_, M> {
     /// Moves batches from a frame to another, a block of steps at a time. `put` gets each frame, the strands of each
     /// batch, and their points without the roots: those of a block while the next one is stepped, so that one thread alone
     /// is at it while others do not wait.
-    pub fn advance<L: Lane>(
+    pub fn advance(
         &self,
-        batches: &mut [Lanes<M, L>],
+        strands: &mut dyn Abreast<M>,
         (first, last): (usize, usize),
         progress: &dyn Progress,
-        mut put: impl FnMut(usize, &[usize], &[[f32; 3]]) + Send,
+        put: &mut (dyn FnMut(usize, &[usize], &[[f32; 3]]) + Send),
     ) {
         let per_frame = self.timeline.steps_per_frame;
-        let strands: Vec<Vec<usize>> = batches.iter().map(|lanes| lanes.strands.clone()).collect();
-        let n_points: Vec<usize> = batches.iter().map(Lanes::n_points).collect();
-        let n_strands: usize = strands.iter().map(Vec::len).sum();
+        let indices = strands.indices();
+        let n_points = strands.n_points();
+        let n_strands: usize = indices.iter().map(Vec::len).sum();
         // What each batch moves through in a block, and what it moved through in the one before. Kept from block to block:
         // memory that is new each time costs more.
-        let mut moving: Vec<Vec<[f32; 3]>> = vec![Vec::new(); batches.len()];
+        let mut moving: Vec<Vec<[f32; 3]>> = vec![Vec::new(); indices.len()];
         let mut moved = moving.clone();
         let mut hand_out = |moved: &[Vec<[f32; 3]>], begin: usize| {
-            for ((strands, n_points), points) in strands.iter().zip(&n_points).zip(moved) {
+            for ((indices, n_points), points) in indices.iter().zip(&n_points).zip(moved) {
                 for (k, points) in points.chunks_exact(*n_points).enumerate() {
-                    put(begin / per_frame + 1 + k, strands, points);
+                    put(begin / per_frame + 1 + k, indices, points);
                 }
             }
         };
@@ -72,10 +76,10 @@ impl<M: Mechanics> Run<'_, M> {
             let begin = steps.start;
             let world = |step| self.mechanics.world(&self.timeline, &self.sampler, self.reading, step);
             let worlds: Vec<M::World<'_>> = steps.clone().into_par_iter().map(world).collect();
+            let block = Block { mechanics: &self.mechanics, begin, worlds: &worlds, per_frame };
             let step = || {
-                batches.par_iter_mut().zip(&mut moving).for_each_init(Vec::new, |work, (lanes, points)| {
-                    self.take_steps(lanes, work, begin, &worlds, points);
-                    let n = (lanes.strands.len() * steps.len()) as u64;
+                strands.take_steps(&block, &mut moving, &|n_strands| {
+                    let n = (n_strands * worlds.len()) as u64;
                     progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
                 });
             };
@@ -93,43 +97,178 @@ impl<M: Mechanics> Run<'_, M> {
         let (start, end) = (first * per_frame, last * per_frame);
         (start..end).step_by(block).map(move |begin| begin..(begin + block).min(end))
     }
+}
 
-    /// A batch through a block of steps. `points`: what becomes its points, roots left out, in every frame that these
-    /// complete.
-    fn take_steps<L: Lane>(
-        &self,
-        lanes: &mut Lanes<M, L>,
-        work: &mut Vec<M::Work<L>>,
-        begin: usize,
-        worlds: &[M::World<'_>],
-        points: &mut Vec<[f32; 3]>,
-    ) {
-        let per_frame = self.timeline.steps_per_frame;
-        let (n_points, steps) = (lanes.n_points(), begin..begin + worlds.len());
-        // In the first block alone it grows.
-        points.resize((steps.end / per_frame - steps.start / per_frame) * n_points, [0.0; 3]);
-        let mut frames = points.chunks_exact_mut(n_points);
-        for (k, world) in worlds.iter().enumerate() {
-            self.mechanics.step(&mut lanes.batch, work, world);
-            if (begin + k + 1).is_multiple_of(per_frame) {
-                lanes.put_points(frames.next().expect("as many as frames end in these steps"));
+/// A block of steps.
+pub(crate) struct Block<'a, 'w, M: Mechanics> {
+    mechanics: &'a M,
+    /// Its first step, and what the world does in each.
+    begin: usize,
+    worlds: &'a [M::World<'w>],
+    per_frame: usize,
+}
+
+/// Strands on their way, some side by side in a batch. What a run asks of them whatever the lanes are: all that knows of
+/// lanes is compiled for each kind of them, and nothing else need be.
+pub(crate) trait Abreast<M: Mechanics>: Debug + Send + Sync {
+    /// Index of every strand, batch after batch.
+    fn indices(&self) -> Vec<Vec<usize>>;
+
+    /// How many points each batch has, roots left out.
+    fn n_points(&self) -> Vec<usize>;
+
+    /// All batches through a block of steps. `points`: what becomes of each the points, roots left out, in every frame that
+    /// these complete, strand after strand. `passed` hears of how many strands are through.
+    fn take_steps(
+        &mut self,
+        block: &Block<'_, '_, M>,
+        points: &mut [Vec<[f32; 3]>],
+        passed: &(dyn Fn(usize) + Sync),
+    );
+
+    /// The points of each batch, roots left out, strand after strand.
+    fn points(&self) -> Vec<Vec<[f32; 3]>>;
+
+    /// From now on where the strands ask the field is kept, block of steps by block of steps.
+    fn keep_asked(&mut self);
+
+    /// Index of every strand, and where it asked the field, block after block.
+    fn asked(&self) -> Vec<(usize, Vec<Region>)>;
+
+    /// What their steps took.
+    fn count(&self) -> Count;
+
+    /// The first strand in all lanes of one batch, to be read so many times.
+    fn variants(&self, n: usize) -> Box<dyn Abreast<M>>;
+
+    /// The same strands, to go another way.
+    fn fork(&self) -> Box<dyn Abreast<M>>;
+}
+
+/// How many strands are side by side, and what puts some there before their first step.
+#[derive(Debug)]
+pub(crate) struct SideBySide<M: Mechanics> {
+    pub n: usize,
+    pub at_rest: fn(&M, &[Prepared<M::Shape>], &[usize]) -> Box<dyn Abreast<M>>,
+}
+
+impl<M: Mechanics> SideBySide<M> {
+    /// As fits some registers.
+    pub fn of(registers: Registers, precision: Precision) -> Self {
+        struct Of<M>(PhantomData<M>);
+        impl<M: Mechanics> WithLanes for Of<M> {
+            type Output = SideBySide<M>;
+
+            fn with<L: Lane>(self) -> SideBySide<M> {
+                SideBySide { n: L::N, at_rest: all_at_rest::<M, L> }
             }
         }
-        lanes.note_asked();
+        registers.with_lanes(precision, Of::<M>(PhantomData))
     }
 }
 
+/// Strands in the order given, as many side by side as there are lanes.
+fn all_at_rest<M: Mechanics, L: Lane>(
+    mechanics: &M,
+    prepared: &[Prepared<M::Shape>],
+    strands: &[usize],
+) -> Box<dyn Abreast<M>> {
+    let lanes = |some: &[usize]| Lanes::<M, L>::at_rest(mechanics, prepared, some);
+    Box::new(strands.par_chunks(L::N).map(lanes).collect::<Vec<_>>())
+}
+
+impl<M: Mechanics, L: Lane> Abreast<M> for Vec<Lanes<M, L>> {
+    fn indices(&self) -> Vec<Vec<usize>> {
+        self.iter().map(|lanes| lanes.strands.clone()).collect()
+    }
+
+    fn n_points(&self) -> Vec<usize> {
+        self.iter().map(Lanes::n_points).collect()
+    }
+
+    fn take_steps(
+        &mut self,
+        block: &Block<'_, '_, M>,
+        points: &mut [Vec<[f32; 3]>],
+        passed: &(dyn Fn(usize) + Sync),
+    ) {
+        self.par_iter_mut().zip(points).for_each_init(Vec::new, |work, (lanes, points)| {
+            lanes.take_steps(block, work, points);
+            passed(lanes.strands.len());
+        });
+    }
+
+    fn points(&self) -> Vec<Vec<[f32; 3]>> {
+        let of = |lanes: &Lanes<M, L>| {
+            let mut points = vec![[0.0; 3]; lanes.n_points()];
+            lanes.put_points(&mut points);
+            points
+        };
+        self.iter().map(of).collect()
+    }
+
+    fn keep_asked(&mut self) {
+        for lanes in self {
+            *M::asked(&mut lanes.batch) = Some(Extent::nothing());
+        }
+    }
+
+    fn asked(&self) -> Vec<(usize, Vec<Region>)> {
+        let of = |lanes: &Lanes<M, L>| {
+            let n = lanes.strands.len();
+            let of_lane = |lane: usize| lanes.asked.iter().skip(lane).step_by(n).copied().collect();
+            let each = |(lane, strand): (usize, &usize)| (*strand, of_lane(lane));
+            lanes.strands.iter().enumerate().map(each).collect::<Vec<_>>()
+        };
+        self.iter().flat_map(of).collect()
+    }
+
+    fn count(&self) -> Count {
+        self.iter().fold(Count::default(), |sum, lanes| sum.and(M::count(&lanes.batch)))
+    }
+
+    fn variants(&self, n: usize) -> Box<dyn Abreast<M>> {
+        let Lanes { strands, n_sticks, batch, .. } = &self[0];
+        let lanes = Lanes {
+            strands: vec![strands[0]; n],
+            n_sticks: vec![n_sticks[0]; n],
+            batch: batch.clone(),
+            asked: Vec::new(),
+        };
+        Box::new(vec![lanes])
+    }
+
+    fn fork(&self) -> Box<dyn Abreast<M>> {
+        Box::new(self.clone())
+    }
+}
 impl<M: Mechanics, L: Lane> Lanes<M, L> {
     /// Up to as many strands as there are lanes, before their first step.
-    pub fn at_rest(mechanics: &M, prepared: &[Prepared<M::Shape>], strands: &[usize]) -> Self {
+    fn at_rest(mechanics: &M, prepared: &[Prepared<M::Shape>], strands: &[usize]) -> Self {
         let prepared: Vec<_> = strands.iter().map(|s| &prepared[*s]).collect();
         let n_sticks = prepared.iter().map(|p| p.lock.n_sticks()).collect();
         Self { strands: strands.to_vec(), n_sticks, batch: mechanics.batch(&prepared), asked: Vec::new() }
     }
 
-    /// From now on where the strands ask the field is kept, block of steps by block of steps.
-    pub fn keep_asked(&mut self) {
-        *M::asked(&mut self.batch) = Some(Extent::nothing());
+    /// Through a block of steps. `points`: what becomes the points, roots left out, in every frame that these complete.
+    fn take_steps(
+        &mut self,
+        block: &Block<'_, '_, M>,
+        work: &mut Vec<M::Work<L>>,
+        points: &mut Vec<[f32; 3]>,
+    ) {
+        let Block { mechanics, begin, worlds, per_frame } = block;
+        let (n_points, steps) = (self.n_points(), *begin..begin + worlds.len());
+        // In the first block alone it grows.
+        points.resize((steps.end / per_frame - steps.start / per_frame) * n_points, [0.0; 3]);
+        let mut frames = points.chunks_exact_mut(n_points);
+        for (k, world) in worlds.iter().enumerate() {
+            mechanics.step(&mut self.batch, work, world);
+            if (begin + k + 1).is_multiple_of(*per_frame) {
+                self.put_points(frames.next().expect("as many as frames end in these steps"));
+            }
+        }
+        self.note_asked();
     }
 
     /// Ends a block.
@@ -138,36 +277,6 @@ impl<M: Mechanics, L: Lane> Lanes<M, L> {
             self.asked.extend((0..self.strands.len()).map(|lane| extent.of(lane)));
             *extent = Extent::nothing();
         }
-    }
-
-    /// Where each strand asked the field, block after block.
-    pub fn asked(&self) -> impl Iterator<Item = (usize, impl Iterator<Item = Region>)> {
-        let n = self.strands.len();
-        let of_lane = move |lane: usize| self.asked.iter().skip(lane).step_by(n).copied();
-        self.strands.iter().enumerate().map(move |(lane, strand)| (*strand, of_lane(lane)))
-    }
-
-    /// The first strand, which is in all lanes, to be read so many times.
-    pub fn variants(&self, n: usize) -> Self {
-        let (strand, n_sticks) = (self.strands[0], self.n_sticks[0]);
-        Self {
-            strands: vec![strand; n],
-            n_sticks: vec![n_sticks; n],
-            batch: self.batch.clone(),
-            asked: Vec::new(),
-        }
-    }
-
-    /// Points, roots left out, strand after strand.
-    pub fn points(&self) -> Vec<[f32; 3]> {
-        let mut points = vec![[0.0; 3]; self.n_points()];
-        self.put_points(&mut points);
-        points
-    }
-
-    /// The strands of the lanes that are read.
-    pub fn strands(&self) -> &[usize] {
-        &self.strands
     }
 
     fn n_points(&self) -> usize {

@@ -135,6 +135,7 @@ impl<L: Lane> Batch<L> {
 
     /// Newton's and Euler's law at a swing. With `implicit_secs` above 0, damping and resistance count as they will be
     /// when that time has passed.
+    #[inline(never)]
     fn change(
         &mut self,
         swing: &Swing<L>,

@@ -187,6 +187,8 @@ impl Mechanics for Physical {
             World::Implicit { now, carry } => {
                 strands.step_implicit(work, model, now, carry.as_ref(), *formula);
             }
+            // The others get no lanes but these (`Physical::lanes`), so nothing of them is compiled for any.
+            _ if const { !L::IS_ONE_DOUBLE } => unreachable!("{:?} steps one strand alone", self.integrator),
             World::SemiImplicit(now) => {
                 strands.step_semi_implicit(swing, work, model, now, formula.dt_secs);
             }
