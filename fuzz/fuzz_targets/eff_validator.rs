@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 
-#[path = "../../crates/eff/tests/exercise/mod.rs"]
+#[path = "../../crates/eff/tests/all/exercise/mod.rs"]
 mod exercise;
 
 fuzz_target!(|bytes: &[u8]| {

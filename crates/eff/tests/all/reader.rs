@@ -1,10 +1,6 @@
 //! Single steps and parts are read without the rest.
 
-#![allow(clippy::unwrap_used)]
-
-mod arbitrary;
-
-use arbitrary::{scene, small, step};
+use crate::arbitrary::{scene, small, step};
 use std::cell::Cell;
 use std::io::{Cursor, Read, Seek, SeekFrom};
 use tousle_core::{NoProgress, Quantity, Vec3};

@@ -1,4 +1,4 @@
-//! What has to hold for any bytes, whoever made them up: `tests/fuzz.rs` and the targets in `fuzz/` ask the same.
+//! What has to hold for any bytes, whoever made them up: `tests/all/fuzz.rs` and the targets in `fuzz/` ask the same.
 #![allow(dead_code, clippy::unwrap_used)]
 
 use std::io::Cursor;

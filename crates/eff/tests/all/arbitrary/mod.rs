@@ -1,5 +1,4 @@
 //! Field files of every kind, for tests.
-#![allow(dead_code, clippy::unwrap_used)]
 
 use proptest::prelude::*;
 use tousle_core::{

@@ -1,6 +1,5 @@
 //! Field files taken apart, changed, and put together again by the container's own crate, with every checksum
 //! right, so that exactly one thing is wrong with them.
-#![allow(dead_code, clippy::unwrap_used)]
 
 use mcap::records::{MessageHeader, Metadata};
 use protox::prost_reflect::prost::Message as _;
@@ -156,7 +155,7 @@ impl Pieces {
             SAMPLES => "SampleStep",
             _ => "FieldStep",
         };
-        let pool = DescriptorPool::decode(&include_bytes!("../../../../schemas/eff.v1.binpb")[..]).unwrap();
+        let pool = DescriptorPool::decode(&include_bytes!("../../../../../schemas/eff.v1.binpb")[..]).unwrap();
         let descriptor = pool.get_message_by_name(&format!("tousle.eff.v1.{name}")).unwrap();
         let piece = self.message(channel_id, k);
         let mut message = DynamicMessage::decode(descriptor, &piece.payload[..]).unwrap();

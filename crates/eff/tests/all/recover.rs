@@ -1,12 +1,7 @@
 //! Whatever happens to a file, every whole step of it is saved.
 
-#![allow(clippy::unwrap_used)]
-
-mod arbitrary;
-mod forge;
-
-use arbitrary::small;
-use forge::{EDITS, FIELD, MANIFEST, POSE, Pieces, SAMPLES, pieces, set};
+use crate::arbitrary::{self, small};
+use crate::forge::{self, EDITS, FIELD, MANIFEST, POSE, Pieces, SAMPLES, pieces, set};
 use protox::prost_reflect::Value;
 use std::io::Cursor;
 use tousle_core::NoProgress;

@@ -1,15 +1,11 @@
 //! Small files for the fuzz targets to begin with, in `fuzz/seeds/eff`.
 //!
 //! Their schemas have no text, which is a warning only: nine in ten bytes of a file this small would be schemas, and
-//! mutations would hit little else. `TOUSLE_UPDATE=1 cargo test -p tousle-eff --test seeds` writes them anew.
+//! mutations would hit little else. `TOUSLE_UPDATE=1 cargo test -p tousle-eff --test all seeds` writes them anew.
 
-#![allow(clippy::unwrap_used)]
-
-mod arbitrary;
-mod exercise;
-mod forge;
-
-use forge::{Pieces, pieces};
+use crate::arbitrary;
+use crate::exercise;
+use crate::forge::{Pieces, pieces};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tousle_eff::{Encoding, WriteOptions, write};

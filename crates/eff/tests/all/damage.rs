@@ -1,10 +1,6 @@
 //! Damaged files: every flipped bit is noticed, every cut is found, nothing panics.
 
-#![allow(clippy::unwrap_used)]
-
-mod arbitrary;
-
-use arbitrary::small;
+use crate::arbitrary::small;
 use tousle_core::NoProgress;
 use tousle_eff::{Code, ReadOptions, WriteOptions, read, validate, write};
 

@@ -1,10 +1,6 @@
 //! What is written is read again, bit for bit, and the same each time.
 
-#![allow(clippy::unwrap_used)]
-
-mod arbitrary;
-
-use arbitrary::{any_eff, small};
+use crate::arbitrary::{self, any_eff, small};
 use proptest::prelude::*;
 use std::io::Cursor;
 use tousle_core::NoProgress;

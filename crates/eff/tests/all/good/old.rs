@@ -34,8 +34,8 @@ fn of_version_0(mut eff: Eff, n: usize, n_steps: u32) -> Eff {
 }
 
 pub fn pieces(eff: &Eff) -> Pieces {
-    let manifest_schema = include_bytes!("../../../../schemas/eff.v0.manifest.json").to_vec();
-    let descriptors = include_bytes!("../../../../schemas/eff.v0.binpb").to_vec();
+    let manifest_schema = include_bytes!("../../../../../schemas/eff.v0.manifest.json").to_vec();
+    let descriptors = include_bytes!("../../../../../schemas/eff.v0.binpb").to_vec();
     let schema = |id, name: &str, encoding: &str, text: &[u8]| {
         (id, format!("tousle.eff.v0.{name}"), encoding.to_owned(), text.to_vec())
     };
@@ -126,7 +126,7 @@ fn steps(eff: &Eff) -> Vec<Piece> {
 }
 
 fn message(name: &str, k: usize, time: u64) -> DynamicMessage {
-    let pool = DescriptorPool::decode(&include_bytes!("../../../../schemas/eff.v0.binpb")[..]).unwrap();
+    let pool = DescriptorPool::decode(&include_bytes!("../../../../../schemas/eff.v0.binpb")[..]).unwrap();
     let mut message =
         DynamicMessage::new(pool.get_message_by_name(&format!("tousle.eff.v0.{name}")).unwrap());
     message.set_field_by_name("index", Value::U64(k as u64));

@@ -5,12 +5,7 @@
 //!
 //!     TOUSLE_FUZZ_SECS=1200 cargo test --release -p tousle-eff --test fuzz
 
-#![allow(clippy::unwrap_used)]
-
-mod arbitrary;
-mod exercise;
-
-use exercise::{all_agree, refit};
+use crate::exercise::{all_agree, refit};
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};

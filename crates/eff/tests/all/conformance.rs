@@ -1,15 +1,10 @@
 //! The conformance set in `fixtures/eff`: good files with what is in them, bad ones with what is wrong.
 //!
-//! The files of a version are kept for ever; `TOUSLE_UPDATE=1 cargo test -p tousle-eff --test conformance` adds
+//! The files of a version are kept for ever; `TOUSLE_UPDATE=1 cargo test -p tousle-eff --test all conformance` adds
 //! those that are not there yet and changes none.
 
-#![allow(clippy::unwrap_used)]
-
-mod arbitrary;
-mod bad;
-mod forge;
-mod good;
-
+use crate::bad;
+use crate::good;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fs;
