@@ -161,7 +161,10 @@ fn with_all(around: &Loop<'_>, most_rounds: usize, at: impl Fn(u64)) -> Result<R
     }
     if kept == 0 {
         // What the first round would learn from is not as fine as the wind shall be.
-        (turn, compared) = (around.with_stiffness(sought.likely(), Some(&turn.fit), &[])?, None);
+        turn = around.with_stiffness(sought.likely(), Some(&turn.fit), &[])?;
+        let fine = around.compare(&turn)?;
+        rounds[0] = fine.round(&[]);
+        compared = Some(fine);
     }
     let report = RefineReport { held_out: Vec::new(), stiffness: sought.stiffness, rounds, kept };
     Ok(Refined { fit: turn.fit, field: compared.map(|compared| compared.field), report })

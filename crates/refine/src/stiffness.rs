@@ -32,7 +32,7 @@ pub(crate) struct Sought {
     /// How many times as stiff all its locks are as is likely; `None` where nobody can tell: if nobody knows how they hung at
     /// rest, or if nothing was seen after that.
     pub(crate) stiffness: Option<f64>,
-    /// What was found, roughly, with the nearest stiffness that was tried.
+    /// What was found, roughly, with the nearest stiffness that was tried; `None` where nobody can tell that.
     pub(crate) nearest: Option<Fit>,
 }
 
@@ -75,7 +75,7 @@ pub(crate) fn sought(around: &Loop<'_>, held_out: &[usize]) -> Result<Sought, Re
         Ok(cost)
     };
     let stiffness = least(cost)?.map(libm::exp);
-    Ok(Sought { stiffness, nearest: nearest.map(|(_, fit)| fit) })
+    Ok(Sought { stiffness, nearest: stiffness.and(nearest).map(|(_, fit)| fit) })
 }
 
 /// Error of a joint's bend with which it is tried, rad: with half or twice that all but the stiffest hair is found as stiff.

@@ -85,16 +85,19 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
         let slope =
             if round == 0 && known.is_none() { DragSlope::Secant(GUESS_MPS) } else { DragSlope::Tangent };
         said = ask(problem, &surroundings, &air, slope);
-        let is_last = round + 1 == rounds;
+        let sureness = match rounds - 1 - round {
+            0 => Sureness::OfAll,
+            1 => Sureness::OfAir,
+            _ => Sureness::Unasked,
+        };
         for (said, (precision, fans)) in said.iter_mut().zip(outside.iter().zip(&fan_wind)) {
             said.of_air.add_outside(precision, fans.velocity);
         }
-        let learns = round + 2 >= rounds;
-        if let Some(constants) = step_states(problem, &fan_wind, &mut air, &mut said, learns, is_last) {
+        if let Some(constants) = step_states(problem, &fan_wind, &mut air, &mut said, sureness) {
             surroundings.constants = constants;
         }
-        if !is_last {
-            if learns {
+        if sureness != Sureness::OfAll {
+            if sureness == Sureness::OfAir {
                 air.swirl_share = learnt_share(&air);
             }
             for state in &mut air.states {
@@ -217,24 +220,34 @@ impl Said {
     }
 }
 
-/// Moves the states to the most likely ones, with their covariances if asked for. Out: by lock, what it is off by; `None` if there
-/// is no most likely state.
+/// How sure the values are that a round finds: what is asked of it beside them.
+#[derive(Clone, Copy, PartialEq)]
+enum Sureness {
+    /// Nothing: only the next round wants the values.
+    Unasked,
+    /// Covariances of the air, as if what locks are off by were known: they tell how strong swirls are.
+    OfAir,
+    /// Covariances that count what locks are off by, too: those that are handed on.
+    OfAll,
+}
+
+/// Moves the states to the most likely ones. Out: by lock, what it is off by; `None` if there is no most likely state.
 fn step_states(
     problem: &Problem<'_>,
     fan_wind: &[FanWind],
     air: &mut AirFlow,
     said: &mut [StepSaid],
-    with_covariance: bool,
-    is_last: bool,
+    sureness: Sureness,
 ) -> Option<Vec<Constants>> {
     let of_air: Vec<Said> = said.iter_mut().map(|s| core::mem::take(&mut s.of_air)).collect();
     let of_constants = said.iter_mut().map(|s| core::mem::take(&mut s.of_constants));
     let of_constants = problem
         .options
         .locks_differ
-        .then(|| ConstantsSaid::together(of_constants, problem.locks.len(), is_last));
+        .then(|| ConstantsSaid::together(of_constants, problem.locks.len(), sureness == Sureness::OfAll));
     let wander = wander(problem, fan_wind, air.modes.n_modes());
     let carried = |step: usize| carried(problem, air, step);
+    let with_covariance = sureness != Sureness::Unasked;
     let (likely, constants) = most_likely(&wander, carried, of_air, of_constants, with_covariance)?;
     for (state, likely) in air.states.iter_mut().zip(likely) {
         state.values = likely.state;

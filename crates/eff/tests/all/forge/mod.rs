@@ -155,7 +155,8 @@ impl Pieces {
             SAMPLES => "SampleStep",
             _ => "FieldStep",
         };
-        let pool = DescriptorPool::decode(&include_bytes!("../../../../../schemas/eff.v1.binpb")[..]).unwrap();
+        let pool =
+            DescriptorPool::decode(&include_bytes!("../../../../../schemas/eff.v1.binpb")[..]).unwrap();
         let descriptor = pool.get_message_by_name(&format!("tousle.eff.v1.{name}")).unwrap();
         let piece = self.message(channel_id, k);
         let mut message = DynamicMessage::decode(descriptor, &piece.payload[..]).unwrap();
