@@ -7,7 +7,7 @@ use crate::mechanics::{Mechanics, Setting};
 use crate::parts::{Count, Part, run_parts};
 use crate::plan::plan;
 use crate::prepared::{Prepared, order};
-use crate::run::{Abreast, Run, SideBySide};
+use crate::run::{Abreast, PutFrame, Run, SideBySide};
 use crate::stability;
 use crate::timeline::{Runs, Timeline};
 use crate::touchable::{n_reaching, within_reach};
@@ -381,7 +381,7 @@ impl<M: Mechanics> Stopped<M> {
         run: &Run<'_, M>,
         mut strands: Box<dyn Abreast<M>>,
         (first, last): (usize, usize),
-        put: &mut (dyn FnMut(usize, &[usize], &[[f32; 3]]) + Send),
+        put: &mut PutFrame<'_>,
     ) {
         if self.frame == first {
             strands.indices().iter().zip(strands.points()).for_each(|(some, points)| put(0, some, &points));

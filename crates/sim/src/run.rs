@@ -18,6 +18,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use tousle_core::Progress;
 use tousle_field::{Reading, Sampler};
 
+/// Gets a frame, the strands of a batch, and their points in it without the roots, strand after strand.
+pub(crate) type PutFrame<'a> = dyn FnMut(usize, &[usize], &[[f32; 3]]) + Send + 'a;
+
 /// A run under some layers: what the world does, and by which mechanics strands move in it.
 pub(crate) struct Run<'a, M> {
     pub timeline: Timeline<'a>,
@@ -45,15 +48,14 @@ const BLOCK_OF_FEW: usize = 32;
 const BLOCK_OF_MANY: usize = 3;
 
 impl<M: Mechanics> Run<'_, M> {
-    /// Moves batches from a frame to another, a block of steps at a time. `put` gets each frame, the strands of each
-    /// batch, and their points without the roots: those of a block while the next one is stepped, so that one thread alone
-    /// is at it while others do not wait.
+    /// Moves strands from a frame to another, a block of steps at a time. `put` gets the frames of a block while the next one
+    /// is stepped, so that one thread alone is at it while others do not wait.
     pub fn advance(
         &self,
         strands: &mut dyn Abreast<M>,
         (first, last): (usize, usize),
         progress: &dyn Progress,
-        put: &mut (dyn FnMut(usize, &[usize], &[[f32; 3]]) + Send),
+        put: &mut PutFrame<'_>,
     ) {
         let per_frame = self.timeline.steps_per_frame;
         let indices = strands.indices();
@@ -145,11 +147,14 @@ pub(crate) trait Abreast<M: Mechanics>: Debug + Send + Sync {
     fn fork(&self) -> Box<dyn Abreast<M>>;
 }
 
+/// Puts some strands, by index and in this order, where they are before their first step.
+type AtRest<M, Shape> = fn(&M, &[Prepared<Shape>], &[usize]) -> Box<dyn Abreast<M>>;
+
 /// How many strands are side by side, and what puts some there before their first step.
 #[derive(Debug)]
 pub(crate) struct SideBySide<M: Mechanics> {
     pub n: usize,
-    pub at_rest: fn(&M, &[Prepared<M::Shape>], &[usize]) -> Box<dyn Abreast<M>>,
+    pub at_rest: AtRest<M, <M as Mechanics>::Shape>,
 }
 
 impl<M: Mechanics> SideBySide<M> {
