@@ -247,6 +247,7 @@ impl<M: Mechanics, L: Lane> Abreast<M> for Vec<Lanes<M, L>> {
         Box::new(self.clone())
     }
 }
+
 impl<M: Mechanics, L: Lane> Lanes<M, L> {
     /// Up to as many strands as there are lanes, before their first step.
     fn at_rest(mechanics: &M, prepared: &[Prepared<M::Shape>], strands: &[usize]) -> Self {

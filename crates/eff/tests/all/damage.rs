@@ -1,14 +1,7 @@
 //! Damaged files: every flipped bit is noticed, every cut is found, nothing panics.
 
-use crate::arbitrary::small;
-use tousle_core::NoProgress;
-use tousle_eff::{Code, ReadOptions, WriteOptions, read, validate, write};
-
-fn small_file() -> Vec<u8> {
-    let mut bytes = Vec::new();
-    write(&small(), &mut bytes, &WriteOptions::default(), &NoProgress).unwrap();
-    bytes
-}
+use crate::arbitrary::small_file;
+use tousle_eff::{Code, ReadOptions, read, validate};
 
 /// One bit of every seventh byte, another one from byte to byte.
 #[test]

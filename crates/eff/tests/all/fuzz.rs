@@ -3,7 +3,7 @@
 //!
 //! Some thousand in every test run, the same each time; for longer, with other ones:
 //!
-//!     TOUSLE_FUZZ_SECS=1200 cargo test --release -p tousle-eff --test fuzz
+//!     TOUSLE_FUZZ_SECS=1200 cargo test --release -p tousle-eff --test all fuzz
 
 use crate::exercise::{all_agree, refit};
 use std::fs;

@@ -1,17 +1,11 @@
 //! Single steps and parts are read without the rest.
 
-use crate::arbitrary::{scene, small, step};
+use crate::arbitrary::{scene, small, small_file, step};
 use std::cell::Cell;
 use std::io::{Cursor, Read, Seek, SeekFrom};
-use tousle_core::{NoProgress, Quantity, Vec3};
-use tousle_eff::{Eff, EffError, Part, ReadOptions, Reader, WriteOptions, Writer, write};
+use tousle_core::{Quantity, Vec3};
+use tousle_eff::{Eff, EffError, Part, ReadOptions, Reader, WriteOptions, Writer};
 use tousle_field::GridSpec;
-
-fn small_file() -> Vec<u8> {
-    let mut bytes = Vec::new();
-    write(&small(), &mut bytes, &WriteOptions::default(), &NoProgress).unwrap();
-    bytes
-}
 
 #[test]
 fn steps_poses_samples_and_edits_are_those_that_were_written() {

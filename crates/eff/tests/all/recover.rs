@@ -1,18 +1,12 @@
 //! Whatever happens to a file, every whole step of it is saved.
 
-use crate::arbitrary::{self, small};
+use crate::arbitrary::{self, small, written};
 use crate::forge::{self, EDITS, FIELD, MANIFEST, POSE, Pieces, SAMPLES, pieces, set};
 use protox::prost_reflect::Value;
 use std::io::Cursor;
 use tousle_core::NoProgress;
 use tousle_eff::{Eff, Encoding, ReadOptions, Recovery, WriteOptions, read, recover, validate, write};
 use tousle_field::VoxelFlag;
-
-fn small_file(options: &WriteOptions) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    write(&small(), &mut bytes, options, &NoProgress).unwrap();
-    bytes
-}
 
 /// What is saved of some bytes, in a file that is sound.
 fn saved(bytes: &[u8]) -> Option<(Recovery, Vec<u8>)> {
@@ -47,7 +41,7 @@ fn ends_of_steps(bytes: &[u8]) -> Vec<usize> {
 #[test]
 fn a_whole_file_is_saved_whole() {
     for encoding in [Encoding::F32, Encoding::F16, Encoding::Fixed { max_error: 1e-3 }] {
-        let bytes = small_file(&WriteOptions::with_encoding(encoding));
+        let bytes = written(&small(), &WriteOptions::with_encoding(encoding));
         let (recovery, out) = saved(&bytes).unwrap();
         assert!(recovery.is_complete(), "{:?}", recovery.losses);
         assert_eq!(out, bytes, "{encoding:?}");
@@ -57,7 +51,7 @@ fn a_whole_file_is_saved_whole() {
 /// Every cut among the steps, and some elsewhere.
 #[test]
 fn cuts_save_every_whole_step() {
-    let bytes = small_file(&WriteOptions::default());
+    let bytes = written(&small(), &WriteOptions::default());
     let ends = ends_of_steps(&bytes);
     let among_steps = ends[0] - 300..ends[4] + 20;
     cuts_save(&bytes, (0..bytes.len()).filter(|cut| cut % 41 == 0 || among_steps.contains(cut)));
@@ -66,7 +60,7 @@ fn cuts_save_every_whole_step() {
 #[test]
 #[ignore = "takes a minute; the test above takes all cuts that matter"]
 fn every_cut_saves_every_whole_step() {
-    let bytes = small_file(&WriteOptions::default());
+    let bytes = written(&small(), &WriteOptions::default());
     cuts_save(&bytes, 0..bytes.len());
 }
 
@@ -97,7 +91,7 @@ fn cuts_save(bytes: &[u8], cuts: impl Iterator<Item = usize>) {
 
 #[test]
 fn a_step_lost_in_the_middle_is_bridged_and_named() {
-    let mut bytes = small_file(&WriteOptions::default());
+    let mut bytes = written(&small(), &WriteOptions::default());
     let ends = ends_of_steps(&bytes);
     bytes[ends[2] - 10] ^= 1;
     let (recovery, out) = saved(&bytes).unwrap();
@@ -114,7 +108,7 @@ fn a_step_lost_in_the_middle_is_bridged_and_named() {
 
 #[test]
 fn steps_lost_at_the_start_move_the_start() {
-    let mut bytes = small_file(&WriteOptions::default());
+    let mut bytes = written(&small(), &WriteOptions::default());
     let first_end = ends_of_steps(&bytes)[0];
     bytes[first_end - 10] ^= 1;
     let (recovery, out) = saved(&bytes).unwrap();
@@ -127,7 +121,7 @@ fn steps_lost_at_the_start_move_the_start() {
 /// A length that leads astray costs one record: the chunk index at the end leads back.
 #[test]
 fn a_lost_thread_is_taken_up_again() {
-    let mut bytes = small_file(&WriteOptions::default());
+    let mut bytes = written(&small(), &WriteOptions::default());
     let ends = ends_of_steps(&bytes);
     let chunk_2 = (ends[1]..ends[2]).find(|at| bytes[*at] == 0x06).unwrap();
     bytes[chunk_2 + 3] ^= 0x40;
@@ -137,7 +131,7 @@ fn a_lost_thread_is_taken_up_again() {
 
 #[test]
 fn without_a_manifest_nothing_can_be_saved() {
-    let bytes = small_file(&WriteOptions::default());
+    let bytes = written(&small(), &WriteOptions::default());
     let mut damaged = bytes.clone();
     damaged[200] ^= 1;
     let error = recover(Cursor::new(&damaged), Vec::new(), &NoProgress).unwrap_err().to_string();
@@ -172,7 +166,7 @@ type Change = fn(&mut Pieces);
 /// Whoever wrote such a file meant one of the two, and the first is the one that readers come to first.
 #[test]
 fn of_what_is_there_twice_the_first_is_kept_and_the_other_named() {
-    let whole = small_file(&WriteOptions::default());
+    let whole = written(&small(), &WriteOptions::default());
     let attachment: Change =
         |p| p.attachments.push(("session.json".into(), "text/plain".into(), b"other".to_vec()));
     let cases: [(Change, &str); 6] = [
@@ -195,7 +189,7 @@ fn of_what_is_there_twice_the_first_is_kept_and_the_other_named() {
 
 #[test]
 fn a_flipped_bit_does_not_stop_it_from_saving_the_rest() {
-    let mut bytes = small_file(&WriteOptions::default());
+    let mut bytes = written(&small(), &WriteOptions::default());
     let ends = ends_of_steps(&bytes);
     let after_manifest = records(&bytes).into_iter().find(|(opcode, _)| *opcode == 0x06).unwrap().1;
     for at in (after_manifest..ends[4]).step_by(5) {
@@ -210,7 +204,7 @@ fn a_flipped_bit_does_not_stop_it_from_saving_the_rest() {
 /// A message index whose opcode became that of the data's end.
 #[test]
 fn an_end_in_the_middle_is_none() {
-    let mut bytes = small_file(&WriteOptions::default());
+    let mut bytes = written(&small(), &WriteOptions::default());
     let ends = ends_of_steps(&bytes);
     assert_eq!(bytes[ends[0]], 0x07);
     bytes[ends[0]] = 0x0f;

@@ -1,17 +1,10 @@
 //! What is written is read again, bit for bit, and the same each time.
 
-use crate::arbitrary::{self, any_eff, small};
+use crate::arbitrary::{self, any_eff, small, written};
 use proptest::prelude::*;
 use std::io::Cursor;
 use tousle_core::NoProgress;
 use tousle_eff::{Eff, Encoding, ReadOptions, WriteOptions, inspect, read, replace_layers, validate, write};
-
-fn written(eff: &Eff, options: &WriteOptions) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let report = write(eff, &mut bytes, options, &NoProgress).unwrap();
-    assert_eq!(report.n_bytes, bytes.len() as u64);
-    bytes
-}
 
 #[test]
 fn a_small_file_comes_back_and_is_sound() {

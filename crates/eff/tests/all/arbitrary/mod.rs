@@ -2,9 +2,10 @@
 
 use proptest::prelude::*;
 use tousle_core::{
-    Attachment as Carrier, Body, Collider, Pose, PoseTrack, Quantity, Shape, Vec3, WindSample, WindSamples,
+    Attachment as Carrier, Body, Collider, NoProgress, Pose, PoseTrack, Quantity, Shape, Vec3, WindSample,
+    WindSamples,
 };
-use tousle_eff::{Attachment, Eff};
+use tousle_eff::{Attachment, Eff, WriteOptions, write};
 use tousle_field::{Ease, Field, FieldLayer, FieldSequence, GridSpec, Handle, LayerOrigin, Scene, VoxelFlag};
 
 /// A small file with something of everything: 4 x 3 x 2 voxels, 5 steps, 17 poses, samples, an edit.
@@ -126,6 +127,19 @@ pub fn samples(grid: &GridSpec, n_steps: usize) -> WindSamples {
     };
     let steps = (0..n_steps).map(|k| (0..k.min(3) as u32).map(sample).collect()).collect();
     WindSamples { quantity: Quantity::ForcePerMass, rate_hz: 30.0, steps }
+}
+
+/// The bytes of a field file.
+pub fn written(eff: &Eff, options: &WriteOptions) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let report = write(eff, &mut bytes, options, &NoProgress).unwrap();
+    assert_eq!(report.n_bytes, bytes.len() as u64);
+    bytes
+}
+
+/// The bytes of [`small`], written as files are unless told otherwise.
+pub fn small_file() -> Vec<u8> {
+    written(&small(), &WriteOptions::default())
 }
 
 /// Any field file that can be written.
