@@ -1,11 +1,11 @@
 //! Whatever happens to a file, every whole step of it is saved.
 
-use crate::arbitrary::{self, small, written};
+use crate::arbitrary::{self, small, small_file, written};
 use crate::forge::{self, EDITS, FIELD, MANIFEST, POSE, Pieces, SAMPLES, pieces, set};
 use protox::prost_reflect::Value;
 use std::io::Cursor;
 use tousle_core::NoProgress;
-use tousle_eff::{Eff, Encoding, ReadOptions, Recovery, WriteOptions, read, recover, validate, write};
+use tousle_eff::{Eff, Encoding, ReadOptions, Recovery, WriteOptions, read, recover, validate};
 use tousle_field::VoxelFlag;
 
 /// What is saved of some bytes, in a file that is sound.
@@ -51,7 +51,7 @@ fn a_whole_file_is_saved_whole() {
 /// Every cut among the steps, and some elsewhere.
 #[test]
 fn cuts_save_every_whole_step() {
-    let bytes = written(&small(), &WriteOptions::default());
+    let bytes = small_file();
     let ends = ends_of_steps(&bytes);
     let among_steps = ends[0] - 300..ends[4] + 20;
     cuts_save(&bytes, (0..bytes.len()).filter(|cut| cut % 41 == 0 || among_steps.contains(cut)));
@@ -60,7 +60,7 @@ fn cuts_save_every_whole_step() {
 #[test]
 #[ignore = "takes a minute; the test above takes all cuts that matter"]
 fn every_cut_saves_every_whole_step() {
-    let bytes = written(&small(), &WriteOptions::default());
+    let bytes = small_file();
     cuts_save(&bytes, 0..bytes.len());
 }
 
@@ -91,7 +91,7 @@ fn cuts_save(bytes: &[u8], cuts: impl Iterator<Item = usize>) {
 
 #[test]
 fn a_step_lost_in_the_middle_is_bridged_and_named() {
-    let mut bytes = written(&small(), &WriteOptions::default());
+    let mut bytes = small_file();
     let ends = ends_of_steps(&bytes);
     bytes[ends[2] - 10] ^= 1;
     let (recovery, out) = saved(&bytes).unwrap();
@@ -108,7 +108,7 @@ fn a_step_lost_in_the_middle_is_bridged_and_named() {
 
 #[test]
 fn steps_lost_at_the_start_move_the_start() {
-    let mut bytes = written(&small(), &WriteOptions::default());
+    let mut bytes = small_file();
     let first_end = ends_of_steps(&bytes)[0];
     bytes[first_end - 10] ^= 1;
     let (recovery, out) = saved(&bytes).unwrap();
@@ -121,7 +121,7 @@ fn steps_lost_at_the_start_move_the_start() {
 /// A length that leads astray costs one record: the chunk index at the end leads back.
 #[test]
 fn a_lost_thread_is_taken_up_again() {
-    let mut bytes = written(&small(), &WriteOptions::default());
+    let mut bytes = small_file();
     let ends = ends_of_steps(&bytes);
     let chunk_2 = (ends[1]..ends[2]).find(|at| bytes[*at] == 0x06).unwrap();
     bytes[chunk_2 + 3] ^= 0x40;
@@ -131,7 +131,7 @@ fn a_lost_thread_is_taken_up_again() {
 
 #[test]
 fn without_a_manifest_nothing_can_be_saved() {
-    let bytes = written(&small(), &WriteOptions::default());
+    let bytes = small_file();
     let mut damaged = bytes.clone();
     damaged[200] ^= 1;
     let error = recover(Cursor::new(&damaged), Vec::new(), &NoProgress).unwrap_err().to_string();
@@ -166,7 +166,7 @@ type Change = fn(&mut Pieces);
 /// Whoever wrote such a file meant one of the two, and the first is the one that readers come to first.
 #[test]
 fn of_what_is_there_twice_the_first_is_kept_and_the_other_named() {
-    let whole = written(&small(), &WriteOptions::default());
+    let whole = small_file();
     let attachment: Change =
         |p| p.attachments.push(("session.json".into(), "text/plain".into(), b"other".to_vec()));
     let cases: [(Change, &str); 6] = [
@@ -189,7 +189,7 @@ fn of_what_is_there_twice_the_first_is_kept_and_the_other_named() {
 
 #[test]
 fn a_flipped_bit_does_not_stop_it_from_saving_the_rest() {
-    let mut bytes = written(&small(), &WriteOptions::default());
+    let mut bytes = small_file();
     let ends = ends_of_steps(&bytes);
     let after_manifest = records(&bytes).into_iter().find(|(opcode, _)| *opcode == 0x06).unwrap().1;
     for at in (after_manifest..ends[4]).step_by(5) {
@@ -204,7 +204,7 @@ fn a_flipped_bit_does_not_stop_it_from_saving_the_rest() {
 /// A message index whose opcode became that of the data's end.
 #[test]
 fn an_end_in_the_middle_is_none() {
-    let mut bytes = written(&small(), &WriteOptions::default());
+    let mut bytes = small_file();
     let ends = ends_of_steps(&bytes);
     assert_eq!(bytes[ends[0]], 0x07);
     bytes[ends[0]] = 0x0f;
@@ -224,8 +224,7 @@ fn a_file_cut_in_its_first_tenth_has_steps_and_their_samples() {
     let step = samples.steps[4].clone();
     // As much in samples as in voxels, all in voxels that are flagged.
     samples.steps = vec![std::iter::repeat_n(step, 300).flatten().collect(); 60];
-    let mut bytes = Vec::new();
-    write(&eff, &mut bytes, &WriteOptions::default(), &NoProgress).unwrap();
+    let bytes = written(&eff, &WriteOptions::default());
     let mut out = Vec::new();
     let recovery = recover(Cursor::new(&bytes[..bytes.len() / 10]), &mut out, &NoProgress).unwrap();
     let saved = read(&out[..], &ReadOptions::default()).unwrap();

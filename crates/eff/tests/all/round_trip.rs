@@ -1,6 +1,6 @@
 //! What is written is read again, bit for bit, and the same each time.
 
-use crate::arbitrary::{self, any_eff, small, written};
+use crate::arbitrary::{self, any_eff, small, small_file, written};
 use proptest::prelude::*;
 use std::io::Cursor;
 use tousle_core::NoProgress;
@@ -93,7 +93,7 @@ fn what_a_file_cannot_hold_is_refused_before_it_is_written() {
 
 #[test]
 fn a_file_that_unpacks_to_too_much_is_refused() {
-    let bytes = written(&small(), &WriteOptions::default());
+    let bytes = small_file();
     let mut options = ReadOptions::default();
     options.max_memory = 1000;
     let error = read(&bytes[..], &options).unwrap_err().to_string();
@@ -122,7 +122,7 @@ fn edits_are_replaced_and_nothing_else() {
 /// Four of the 24 voxels are measured and eleven interpolated, as `arbitrary::step` flags them.
 #[test]
 fn an_inspection_counts_what_is_there() {
-    let bytes = written(&small(), &WriteOptions::default());
+    let bytes = small_file();
     let found = inspect(&bytes[..]).unwrap();
     assert_eq!(found.n_bytes, bytes.len() as u64);
     assert_eq!(found.field_span_secs, [0.0, 4.0 / 30.0]);

@@ -3,12 +3,12 @@
 //! Their schemas have no text, which is a warning only: nine in ten bytes of a file this small would be schemas, and
 //! mutations would hit little else. `TOUSLE_UPDATE=1 cargo test -p tousle-eff --test all seeds` writes them anew.
 
-use crate::arbitrary;
+use crate::arbitrary::tiny_file;
 use crate::exercise;
 use crate::forge::{Pieces, pieces};
 use std::fs;
 use std::path::{Path, PathBuf};
-use tousle_eff::{Encoding, WriteOptions, write};
+use tousle_eff::Encoding;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/seeds/eff")
@@ -23,7 +23,7 @@ fn bare(mut pieces: Pieces) -> Vec<u8> {
 
 /// A file with two attachments of one name, both of which recovery once kept.
 fn attachment_twice() -> Vec<u8> {
-    let mut pieces = pieces(&packed(Encoding::F32));
+    let mut pieces = pieces(&tiny_file(Encoding::F32));
     pieces.attachments.push(("session.json".into(), "text/plain".into(), b"other".to_vec()));
     bare(pieces)
 }
@@ -35,21 +35,14 @@ fn keep(name: &str, bytes: &[u8]) {
     }
 }
 
-fn packed(encoding: Encoding) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let eff = arbitrary::tiny();
-    write(&eff, &mut bytes, &WriteOptions::with_encoding(encoding), &tousle_core::NoProgress).unwrap();
-    bytes
-}
-
 #[test]
 fn every_target_takes_the_seeds_and_all_but_one_are_sound() {
     let mut seeds = vec![
-        ("plain", bare(pieces(&packed(Encoding::F32)))),
-        ("f16", bare(pieces(&packed(Encoding::F16)))),
-        ("fixed16", bare(pieces(&packed(Encoding::Fixed { max_error: 1e-3 })))),
-        ("fixed32", bare(pieces(&packed(Encoding::Fixed { max_error: 2e-6 })))),
-        ("zstd", packed(Encoding::F32)),
+        ("plain", bare(pieces(&tiny_file(Encoding::F32)))),
+        ("f16", bare(pieces(&tiny_file(Encoding::F16)))),
+        ("fixed16", bare(pieces(&tiny_file(Encoding::Fixed { max_error: 1e-3 })))),
+        ("fixed32", bare(pieces(&tiny_file(Encoding::Fixed { max_error: 2e-6 })))),
+        ("zstd", tiny_file(Encoding::F32)),
     ];
     let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/eff");
     let old = fs::read(fixtures.join("v0/good/tiny.eff.mcap")).unwrap();

@@ -5,7 +5,7 @@ use tousle_core::{
     Attachment as Carrier, Body, Collider, NoProgress, Pose, PoseTrack, Quantity, Shape, Vec3, WindSample,
     WindSamples,
 };
-use tousle_eff::{Attachment, Eff, WriteOptions, write};
+use tousle_eff::{Attachment, Eff, Encoding, WriteOptions, write};
 use tousle_field::{Ease, Field, FieldLayer, FieldSequence, GridSpec, Handle, LayerOrigin, Scene, VoxelFlag};
 
 /// A small file with something of everything: 4 x 3 x 2 voxels, 5 steps, 17 poses, samples, an edit.
@@ -140,6 +140,11 @@ pub fn written(eff: &Eff, options: &WriteOptions) -> Vec<u8> {
 /// The bytes of [`small`], written as files are unless told otherwise.
 pub fn small_file() -> Vec<u8> {
     written(&small(), &WriteOptions::default())
+}
+
+/// The bytes of [`tiny`].
+pub fn tiny_file(encoding: Encoding) -> Vec<u8> {
+    written(&tiny(), &WriteOptions::with_encoding(encoding))
 }
 
 /// Any field file that can be written.

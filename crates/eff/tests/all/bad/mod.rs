@@ -4,10 +4,9 @@ mod container;
 mod content;
 pub mod old;
 
-use crate::arbitrary::tiny;
+use crate::arbitrary::{tiny, tiny_file, written};
 use crate::forge::{Pieces, pieces};
-use tousle_core::NoProgress;
-use tousle_eff::{Encoding, WriteOptions, write};
+use tousle_eff::{Encoding, WriteOptions};
 
 pub struct Case {
     pub name: &'static str,
@@ -24,13 +23,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 fn sound() -> Vec<u8> {
-    packed(Encoding::F32)
-}
-
-fn packed(encoding: Encoding) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    write(&tiny(), &mut bytes, &WriteOptions::with_encoding(encoding), &NoProgress).unwrap();
-    bytes
+    tiny_file(Encoding::F32)
 }
 
 /// A file whose bytes were changed.
@@ -65,14 +58,7 @@ fn forged_preview(
     findings: &'static [&'static str],
     change: fn(&mut Pieces),
 ) -> Case {
-    let make = Box::new(move || {
-        let mut bytes = Vec::new();
-        write(&tiny(), &mut bytes, &WriteOptions::default().with_preview(), &NoProgress).unwrap();
-        let mut pieces = pieces(&bytes);
-        change(&mut pieces);
-        pieces.forge()
-    });
-    Case { name, what, findings, make }
+    forged_as(WriteOptions::default().with_preview(), name, what, findings, change)
 }
 
 fn forged_from(
@@ -82,8 +68,18 @@ fn forged_from(
     findings: &'static [&'static str],
     change: fn(&mut Pieces),
 ) -> Case {
+    forged_as(WriteOptions::with_encoding(encoding), name, what, findings, change)
+}
+
+fn forged_as(
+    options: WriteOptions,
+    name: &'static str,
+    what: &'static str,
+    findings: &'static [&'static str],
+    change: fn(&mut Pieces),
+) -> Case {
     let make = Box::new(move || {
-        let mut pieces = pieces(&packed(encoding));
+        let mut pieces = pieces(&written(&tiny(), &options));
         change(&mut pieces);
         pieces.forge()
     });

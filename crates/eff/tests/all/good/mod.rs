@@ -2,11 +2,11 @@
 
 pub mod old;
 
-use crate::arbitrary::{layer, scene, small, step, tiny};
+use crate::arbitrary::{layer, scene, small, step, tiny, written};
 use crate::forge::{FIELD, MANIFEST, Piece, pieces};
 use serde_json::{Value, json};
-use tousle_core::{Body, NoProgress, PoseTrack, Quantity, Vec3};
-use tousle_eff::{Eff, Encoding, WriteOptions, write};
+use tousle_core::{Body, PoseTrack, Quantity, Vec3};
+use tousle_eff::{Eff, Encoding, WriteOptions};
 use tousle_field::{FieldLayer, GridSpec, Handle, LayerKey, LayerOrigin, Reshape, VoxelFlag};
 
 pub struct Case {
@@ -41,11 +41,7 @@ pub fn cases() -> Vec<Case> {
             Encoding::F16,
         ),
     ];
-    let make = Box::new(|| {
-        let mut bytes = Vec::new();
-        write(&small(), &mut bytes, &WriteOptions::default().with_preview(), &NoProgress).unwrap();
-        bytes
-    });
+    let make = Box::new(|| written(&small(), &WriteOptions::default().with_preview()));
     let what = "channels for viewers beside the field";
     cases.push(Case { name: "preview", what, eff: small(), make, max_error: 0.0, findings: &[] });
     cases.push(forged("stranger", "other chunks, no compression, by another program", &[], |p| {
@@ -121,9 +117,7 @@ fn forged(
 }
 
 fn bytes(eff: &Eff, encoding: Encoding) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    write(eff, &mut bytes, &WriteOptions::with_encoding(encoding), &NoProgress).unwrap();
-    bytes
+    written(eff, &WriteOptions::with_encoding(encoding))
 }
 
 fn minimal() -> Eff {
