@@ -42,7 +42,7 @@ use wide::{F32x8, F32x16, F64x4, F64x8};
 use array::F32x1;
 pub(crate) use array::F64x1;
 pub(crate) use functions::{angle_per_sine, cos_and_sine, cos_and_sine_share, fade, series, sine_to_quarter};
-pub(crate) use matrix::{Matrix, Shifted, Symmetric};
+pub(crate) use matrix::{Matrix, Placing, Shifted, Symmetric};
 pub(crate) use quaternion::Turn;
 pub(crate) use registers::{Registers, WithLanes};
 pub(crate) use vector::Vector;

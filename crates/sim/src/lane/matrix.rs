@@ -1,7 +1,7 @@
 use super::vector::minor;
 use super::{Lane, Vector};
 use nalgebra::Matrix3;
-use tousle_core::Vec3;
+use tousle_core::{Pose, Vec3};
 
 /// A symmetric 3 × 3 matrix for each of some strands.
 #[derive(Clone, Copy, Debug)]
@@ -216,6 +216,13 @@ impl<L: Lane> Matrix<L> {
         Vector::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
     }
 
+    /// Rows times a vector, plus another.
+    #[inline(always)]
+    pub fn mul_vector_add(&self, v: Vector<L>, to: Vector<L>) -> Vector<L> {
+        let row = |row: Vector<L>, to: L| row.x.mul_add(v.x, row.y.mul_add(v.y, row.z.mul_add(v.z, to)));
+        Vector::new(row(self.x, to.x), row(self.y, to.y), row(self.z, to.z))
+    }
+
     /// The transpose times a vector.
     #[inline(always)]
     pub fn transpose_mul(&self, v: Vector<L>) -> Vector<L> {
@@ -244,6 +251,30 @@ impl<L: Lane> Matrix<L> {
     #[inline(always)]
     pub fn mul_add(&self, s: L, o: &Self) -> Self {
         Self { x: self.x.mul_add(s, o.x), y: self.y.mul_add(s, o.y), z: self.z.mul_add(s, o.z) }
+    }
+}
+
+/// The same pose for all strands.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placing<L> {
+    pub turn: Matrix<L>,
+    pub shift: Vector<L>,
+}
+
+impl<L: Lane> Placing<L> {
+    /// Of a pose, beside a number that there is.
+    #[inline(always)]
+    pub fn same(like: L, pose: &Pose) -> Self {
+        Self {
+            turn: Matrix::same(like, pose.rotation.to_rotation_matrix().matrix()),
+            shift: Vector::same(like, pose.translation.vector),
+        }
+    }
+
+    /// Where points go.
+    #[inline(always)]
+    pub fn place(&self, points: Vector<L>) -> Vector<L> {
+        self.turn.mul_vector_add(points, self.shift)
     }
 }
 

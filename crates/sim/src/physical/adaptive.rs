@@ -5,15 +5,17 @@ use super::implicit::Formula;
 use super::link::Work;
 use super::scene::{Carry, Now};
 use crate::SimOptions;
-use crate::lane::Lane;
+use crate::lane::{Lane, Placing};
 use crate::timeline::Timeline;
+use tousle_core::Pose;
 use tousle_field::{Reading, Sampler};
 
 /// Where a strand's own clock stands.
 #[derive(Clone, Debug)]
 pub(crate) struct Pace {
-    /// The step that was taken last, s.
+    /// The step that was taken last, s, and when it began, if there was one.
     last_secs: f64,
+    last_begin_secs: Option<f64>,
     /// The step that is tried next, s.
     next_secs: f64,
 }
@@ -42,7 +44,7 @@ impl Precise {
 impl Pace {
     /// Before the first step.
     pub fn new() -> Self {
-        Self { last_secs: 1e-3, next_secs: 1e-3 }
+        Self { last_secs: 1e-3, last_begin_secs: None, next_secs: 1e-3 }
     }
 }
 
@@ -68,12 +70,12 @@ impl<L: Lane> Batch<L> {
                 dt => dt,
             };
             let now = Now::new(timeline, sampler, time + dt, Reading::LaidOut);
-            let carry = Carry::new(timeline, time, &now);
+            let carry = Carry::new(timeline, (pace.last_begin_secs.unwrap_or(time), time), &now);
             let before = self.states.clone();
             let touchable = self.touchable.clone();
             let at_rest = self.at_rest;
             self.step_implicit(work, model, &now, carry.as_ref(), Formula::bdf2(dt, pace.last_secs));
-            let error_m = if self.at_rest { 0.0 } else { self.error(dt) };
+            let error_m = if self.at_rest { 0.0 } else { self.error(dt, carry.as_ref()) };
             let wanted = 0.85 * libm::cbrt(tolerance_m / error_m.max(1e-12));
             if error_m > tolerance_m && dt > SHORTEST_SECS {
                 self.states = before;
@@ -82,6 +84,7 @@ impl<L: Lane> Batch<L> {
                 pace.next_secs = dt * wanted.clamp(0.2, 0.9);
                 continue;
             }
+            pace.last_begin_secs = Some(time);
             time = if dt == left { to_secs } else { time + dt };
             pace.last_secs = dt;
             // BDF2 stands growing steps up to 1 + √2; twice keeps clear of it.
@@ -94,10 +97,12 @@ impl<L: Lane> Batch<L> {
     ///
     /// The rule is off by 1/12 of dt³ times the third derivative, BDF2 by 2/9 to the same side at equal steps: it is off
     /// by 1.6 times their distance.
-    fn error(&self, dt_secs: f64) -> f64 {
+    fn error(&self, dt_secs: f64, carry: Option<&Carry>) -> f64 {
         let half_dt = L::splat(0.5 * dt_secs);
+        let carried = Placing::same(half_dt, &carry.map_or_else(Pose::identity, |carry| carry.from));
         let off2 = self.states.iter().fold(L::zero(), |off2, state| {
-            let rule = state.place_before + (state.velocity_before + state.velocity) * half_dt;
+            let velocities = carried.turn.mul_vector_add(state.velocity_before, state.velocity);
+            let rule = carried.place(state.place_before) + velocities * half_dt;
             off2.max((state.place - rule).norm_squared())
         });
         1.6 * off2.largest().sqrt()

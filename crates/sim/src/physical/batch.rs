@@ -75,7 +75,7 @@ impl<L: Lane> Batch<L> {
         work.resize(self.links.len(), Work::new());
     }
 
-    /// [`Touchable::look`] for all. A strand whose margin is minus infinity does not look: each does when it would alone.
+    /// [`Touchable::look`] for all: finds the points that may touch in this step, or, `again`, more of them. A strand whose margin is minus infinity does not look: each does when it would alone.
     #[inline(always)]
     pub fn look(&mut self, work: &[Work<L>], now: &Now<'_>, margin_m: L, again: bool) {
         for touchable in &mut self.touchable {

@@ -2,8 +2,8 @@
 
 use super::batch::Model;
 use crate::gap::{Seen, TINY2, gaps, room};
-use crate::lane::{Lane, Symmetric, Vector};
-use tousle_core::Vec3;
+use crate::lane::{Lane, Placing, Symmetric, Vector};
+use tousle_core::{Pose, Vec3};
 use tousle_rod::Surface;
 
 /// A collider that strands of a batch can reach.
@@ -21,7 +21,7 @@ pub(crate) struct Touchable<L> {
     pub slips: Vec<Vector<L>>,
     /// Of which points the last two may say something.
     pub is_borne: Vec<bool>,
-    /// What is known of each point's distance, if the surface keeps its place in the head's axes.
+    /// What is known of each point's distance, in the axes in which the surface keeps its place.
     pub seen: Vec<Seen<L>>,
     /// The ends of sticks that may touch in this step.
     pub near: Vec<Near<L>>,
@@ -33,8 +33,10 @@ pub(crate) struct Near<L> {
     pub stick: usize,
     /// As in [`Touchable::limits_m`]; minus infinity for strands whose own may not touch in this step.
     limit_m: L,
-    /// Where it was felt last, m, and what the surface did to it there.
+    /// Where it was looked at or felt last, m; how far that is from the surface, and the way out, unless it was felt since;
+    /// and what the surface did to it there.
     place: Vector<L>,
+    gap: Option<(L, Vector<L>)>,
     pub bearing: Bearing<L>,
 }
 
@@ -46,8 +48,8 @@ pub(crate) struct MovingSurface {
     pub velocity: Vec3,
     /// What turns it, head axes, rad/s.
     pub angular_velocity: Vec3,
-    /// Whether it keeps its place in the head's axes.
-    pub is_heads: bool,
+    /// To the axes in which it keeps its place; `None` if these are the head's.
+    pub own_from_head: Option<Pose>,
 }
 
 /// How the velocity of a point hangs on its place, and how hard what it touches is.
@@ -107,21 +109,19 @@ impl<L: Lane> Touchable<L> {
         }
         let (nothing, one, never) =
             (margin_m.same(0.0), margin_m.same(1.0), margin_m.same(f64::NEG_INFINITY));
+        let own = moving.own_from_head.map(|own| Placing::same(margin_m, &own));
         for (stick, place) in places.enumerate() {
-            if !moving.is_heads {
-                self.look_at(&moving.surface, stick, place, margin_m, again);
-                continue;
-            }
-            // What keeps its place in the head's axes does not come nearer by itself.
+            // In its own axes the surface does not come nearer by itself.
+            let own_place = own.map_or(place, |own| own.place(place));
             let seen = self.seen[stick];
-            let far = seen.far(place, margin_m);
+            let far = seen.far(own_place, margin_m);
             if !one.any_above(far) {
                 self.let_go(stick, again);
                 continue;
             }
             let room_m =
                 self.look_at(&moving.surface, stick, place, far.above(nothing, never, margin_m), again);
-            let place = Vector::where_above(far, nothing, seen.place, place);
+            let place = Vector::where_above(far, nothing, seen.place, own_place);
             self.seen[stick] = Seen { place, room_m: far.above(nothing, seen.room_m, room_m) };
         }
     }
@@ -133,7 +133,7 @@ impl<L: Lane> Touchable<L> {
     #[inline(always)]
     fn look_at(&mut self, surface: &Surface, stick: usize, place: Vector<L>, margin_m: L, again: bool) -> L {
         let (limit_m, nothing) = (self.limits_m[stick], margin_m.same(0.0));
-        let (gap, _) = gaps(surface, place);
+        let (gap, normal) = gaps(surface, place);
         let beyond = gap - limit_m - margin_m;
         // A NaN counts as near.
         if beyond.all_above(nothing) {
@@ -147,7 +147,10 @@ impl<L: Lane> Touchable<L> {
             let limit_m = beyond.above(nothing, margin_m.same(f64::NEG_INFINITY), limit_m);
             match self.near.iter_mut().find(|near| again && near.stick == stick) {
                 Some(near) => near.limit_m = near.limit_m.max(limit_m),
-                None => self.near.push(Near { stick, limit_m, place, bearing: Bearing::none(limit_m) }),
+                None => {
+                    let (gap, bearing) = (Some((gap, normal)), Bearing::none(limit_m));
+                    self.near.push(Near { stick, limit_m, place, gap, bearing });
+                }
             }
         }
         room(gap, limit_m)
@@ -164,7 +167,8 @@ impl<L: Lane> Touchable<L> {
         }
     }
 
-    /// What the surface does to all that may touch. `at`: place and velocity of a stick's end, and the stick's direction.
+    /// What the surface does to all that may touch. `at`: place and velocity of a stick's end, and the stick's direction;
+    /// the place is that of the last look, or all have been felt since.
     ///
     /// Out: the square of the farthest that any point of each strand would be off if the surface did what the last call's
     /// forces and derivatives let expect, m²: by how much the force is another, over the spring of a contact.
@@ -181,7 +185,8 @@ impl<L: Lane> Touchable<L> {
             let history = (self.pushes[near.stick], self.slips[near.stick]);
             let felt = at(near.stick);
             let place = felt.0;
-            let bearing = bear(model, near.limit_m, history, moving, felt, firmness);
+            let gap = near.gap.take().unwrap_or_else(|| gaps(&moving.surface, place));
+            let bearing = bear(model, (gap, near.limit_m), history, moving, felt, firmness);
             let way = place - near.place;
             let off = bearing.slope - near.bearing.slope - near.bearing.hessian.mul_vector(way);
             off2 = off2.max(off.norm_squared());
@@ -215,14 +220,13 @@ impl<L: Lane> Bearing<L> {
 #[inline(always)]
 fn bear<L: Lane>(
     model: &Model,
-    limit_m: L,
+    ((gap, normal), limit_m): ((L, Vector<L>), L),
     (push_before, slip_before): (L, Vector<L>),
     moving: &MovingSurface,
     (place, velocity, direction): (Vector<L>, Vector<L>, Vector<L>),
     Firmness { stiffness, give, per_h, dt }: Firmness<L>,
 ) -> Bearing<L> {
     let (zero, fringe) = (limit_m.same(0.0), limit_m.same(FRINGE_M));
-    let (gap, normal) = gaps(&moving.surface, place);
     let depth = (limit_m - gap).max(zero);
     if !depth.any_above(zero) {
         return Bearing::none(limit_m);
@@ -255,7 +259,7 @@ fn bear<L: Lane>(
     let rub_secs = limit_m.same(RUB_SECS);
     let slip = slip_before - normal * slip_before.dot(normal) + along * dt;
     let mut pull = slip + along * rub_secs;
-    if !moving.is_heads {
+    if moving.own_from_head.is_some() {
         let hops = Hops { held, approach: (-leaving).max(zero), friction: limit_m.same(model.friction) };
         let mass = stiffness * limit_m.same(1.0 / (CONTACT_RATE * CONTACT_RATE));
         pull = hops.tilt(pull, along, direction - normal * direction.dot(normal), mass);

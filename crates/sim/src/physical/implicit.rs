@@ -5,9 +5,9 @@ use super::contact::Touchable;
 use super::link::{State, Work};
 use super::newton::{Weights, sweep_outwards};
 use super::scene::{Carry, Now};
-use crate::lane::{Lane, Turn, Vector};
+use crate::lane::{Lane, Matrix, Placing, Turn, Vector};
 use crate::wind::sample;
-use tousle_core::Vec3;
+use tousle_core::{Pose, Vec3};
 use tousle_field::SAMPLED_AT_ONCE;
 use tousle_rod::DragLaw;
 
@@ -122,16 +122,15 @@ impl<L: Lane> Batch<L> {
         }
         self.at_rest = false;
         self.n_moved += 1;
-        // After a cut the hair goes along, with the shape and the velocities it had, as the head sees them.
-        let moved = carry.filter(|carry| !carry.is_cut).map(|carry| Moved::new(carry, self.contact_give));
-        if let Some(moved) = &moved {
-            self.carry_slips(moved, now);
+        if let Some(carry) = carry {
+            self.carry_slips(carry, now);
         }
         let weights = Weights::new(formula.dt_secs, formula.h_secs);
         let falls = Vector::same(weights.h, now.gravity * (formula.h_secs * formula.h_secs));
-        self.prepare(work, moved.as_ref(), &weights, (formula, falls));
+        let history = carry.map(|carry| History::new(carry, formula, weights.h));
+        let margin_m = self.prepare(work, history.as_ref(), &weights, (formula, falls));
         self.feel_wind(work, model, now);
-        self.settle(work, model, now, &weights);
+        self.settle(work, model, now, &weights, margin_m);
         self.finish(work, &weights);
     }
 
@@ -139,9 +138,17 @@ impl<L: Lane> Batch<L> {
     ///
     /// The next update is foretold: by how much smaller the last one was than the one before, and for the first by how
     /// much smaller the second was in an earlier step. What surfaces do other than was foretold is known, and counts too.
-    /// In every [`MEASURED_EVERY`]th step nothing is foretold of the first.
+    /// In every [`MEASURED_EVERY`]th step nothing is foretold of the first. `margin_m`: within how much of the places contacts
+    /// are looked for.
     #[inline(always)]
-    fn settle(&mut self, work: &mut [Work<L>], model: &Model, now: &Now<'_>, weights: &Weights<L>) {
+    fn settle(
+        &mut self,
+        work: &mut [Work<L>],
+        model: &Model,
+        now: &Now<'_>,
+        weights: &Weights<L>,
+        margin_m: L,
+    ) {
         let (zero, one) = (weights.h.same(0.0), weights.h.same(1.0));
         let square = |tolerance_m: f64| {
             let tolerance_m = f64::max(tolerance_m, model.resolution_m);
@@ -155,11 +162,13 @@ impl<L: Lane> Batch<L> {
         let mut contraction2 = self.contraction2;
         self.contraction2 = (self.contraction2 * weights.h.same(FORGOTTEN2)).min(one);
         let measures = self.n_moved.is_multiple_of(MEASURED_EVERY);
-        // Within how much of the places contacts have been looked for.
-        let mut room_m = weights.h.same(-1.0);
+        // How far points may still go before contacts that were not looked for could be felt.
+        let mut room_m = if self.touchable.is_empty() { weights.h.same(f64::INFINITY) } else { -one };
         for updates in 0.. {
             if zero.any_above(room_m) {
-                room_m = self.look_for_contacts(work, now, room_m, updates > 0);
+                let looks = |yes: L, no: L| zero.above(room_m, yes, no);
+                self.look(work, now, looks(margin_m, zero.same(f64::NEG_INFINITY)), updates > 0);
+                room_m = looks(margin_m, room_m);
             }
             let off2 = self.feel_contacts(work, model, now, weights);
             if updates > 1 {
@@ -201,34 +210,40 @@ impl<L: Lane> Batch<L> {
 
     /// Takes what friction goes by into the head's axes at the step's end.
     #[inline(always)]
-    fn carry_slips(&mut self, moved: &Moved<L>, now: &Now<'_>) {
+    fn carry_slips(&mut self, carry: &Carry, now: &Now<'_>) {
+        let placing = Placing::same(self.contact_give, &carry.from);
         for touchable in &mut self.touchable {
-            if !now.surfaces[touchable.collider].is_heads {
+            if now.surfaces[touchable.collider].own_from_head.is_some() {
                 for slip in &mut touchable.slips {
-                    *slip = moved.turn.rotate(*slip);
+                    *slip = placing.turn.mul_vector(*slip);
                 }
             }
         }
     }
 
-    /// What a step begins with: the history in the head's axes at the step's end, its weighted sums, and a first guess of
-    /// turns and places. `falls`: how far gravity takes a point, m.
+    /// What a step begins with: weighted sums of the history, in the head's axes at the step's end, and a first guess of
+    /// turns and places. `falls`: how far gravity takes a point, m. Out: within how much of these places contacts are to be
+    /// looked for, m.
     #[inline(always)]
     fn prepare(
         &mut self,
         work: &mut [Work<L>],
-        moved: Option<&Moved<L>>,
+        history: Option<&History<L>>,
         weights: &Weights<L>,
         (formula, falls): (Formula, Vector<L>),
-    ) {
+    ) -> L {
         let (now, before) = (weights.h.same(formula.now), weights.h.same(formula.before));
-        let mut end = self.root;
+        let nothing = weights.h.same(0.0);
+        let (mut end, mut way2) = (self.root, nothing);
         for ((link, state), work) in self.links.iter().zip(&mut self.states).zip(work) {
-            if let Some(moved) = moved {
-                moved.carry(state);
-            }
-            work.from = state.place * now + state.place_before * before;
-            let velocity = state.velocity * now + state.velocity_before * before;
+            let velocity;
+            (work.from, velocity) = match history {
+                Some(history) => history.sums(state),
+                None => (
+                    state.place.mul_add(now, state.place_before * before),
+                    state.velocity.mul_add(now, state.velocity_before * before),
+                ),
+            };
             work.drifting = velocity.mul_add(weights.h, work.from + falls);
             // A joint gives way slowly: k (c − c0) + k τ ċ, ċ = (c − from) / h.
             let damping = link.stiffness * link.damping_secs * weights.per_h;
@@ -239,7 +254,11 @@ impl<L: Lane> Batch<L> {
             work.direction = work.turn.x_axis();
             end = work.direction.mul_add(link.length, end);
             work.place = end;
+            // Sticks that only fill up the batch have no mass and no say.
+            let own2 = link.mass.above(nothing, (end - state.place).norm_squared(), nothing);
+            way2 = way2.max(own2);
         }
+        way2.sqrt().mul_add(way2.same(0.25), way2.same(LOOK_M))
     }
 
     /// Samples the field at the middle of every stick.
@@ -284,25 +303,6 @@ impl<L: Lane> Batch<L> {
         }
     }
 
-    /// Finds the points that may touch in this step, or more of them, of strands that have no room left. Out: within how
-    /// much of the places contacts have been looked for then, m.
-    #[inline(always)]
-    fn look_for_contacts(&mut self, work: &[Work<L>], now: &Now<'_>, room_m: L, again: bool) -> L {
-        if self.touchable.is_empty() {
-            return room_m.same(f64::INFINITY);
-        }
-        let nothing = room_m.same(0.0);
-        let mut way2 = nothing;
-        for ((state, work), link) in self.states.iter().zip(work).zip(&self.links) {
-            // Sticks that only fill up the batch have no mass and no say.
-            let own2 = link.mass.above(nothing, (work.place - state.place).norm_squared(), nothing);
-            way2 = way2.max(own2);
-        }
-        let margin_m = way2.sqrt().mul_add(room_m.same(0.25), room_m.same(LOOK_M));
-        self.look(work, now, nothing.above(room_m, margin_m, room_m.same(f64::NEG_INFINITY)), again);
-        nothing.above(room_m, margin_m, room_m)
-    }
-
     #[inline(always)]
     fn finish(&mut self, work: &[Work<L>], weights: &Weights<L>) {
         self.touchable.iter_mut().for_each(Touchable::remember);
@@ -317,34 +317,40 @@ impl<L: Lane> Batch<L> {
     }
 }
 
-/// [`Carry`] of what is not cut, for all strands.
-struct Moved<L> {
-    turn: Turn<L>,
+/// Takes what was, each in the head's axes of its own time, into those at a step's end, and adds it up with a formula's weights.
+struct History<L> {
+    now: Matrix<L>,
+    before: Matrix<L>,
     shift: Vector<L>,
 }
 
-impl<L: Lane> Moved<L> {
+impl<L: Lane> History<L> {
     #[inline(always)]
-    fn new(carry: &Carry, like: L) -> Self {
-        let q = carry.turn.quaternion();
-        let turn = Turn { w: like.same(q.w), v: Vector::same(like, Vec3::new(q.i, q.j, q.k)) };
-        Self { turn, shift: Vector::same(like, carry.shift) }
+    fn new(Carry { from, from_before }: &Carry, formula: Formula, like: L) -> Self {
+        let turn = |pose: &Pose, weight: f64| {
+            Matrix::same(like, &(pose.rotation.to_rotation_matrix().matrix() * weight))
+        };
+        let shift = from.translation.vector * formula.now + from_before.translation.vector * formula.before;
+        Self {
+            now: turn(from, formula.now),
+            before: turn(from_before, formula.before),
+            shift: Vector::same(like, shift),
+        }
     }
 
-    /// Takes what was into the head's axes at the step's end.
+    /// Of places and of velocities.
     #[inline(always)]
-    fn carry(&self, state: &mut State<L>) {
-        state.turn = self.turn.after(state.turn);
-        state.turn_before = self.turn.after(state.turn_before);
-        state.turn_long_before = self.turn.after(state.turn_long_before);
-        state.place = self.turn.rotate(state.place) + self.shift;
-        state.place_before = self.turn.rotate(state.place_before) + self.shift;
-        state.velocity = self.turn.rotate(state.velocity);
-        state.velocity_before = self.turn.rotate(state.velocity_before);
+    fn sums(&self, state: &State<L>) -> (Vector<L>, Vector<L>) {
+        let turned =
+            |now: Vector<L>, before: Vector<L>| self.now.mul_vector_add(now, self.before.mul_vector(before));
+        (
+            self.now.mul_vector_add(state.place, self.before.mul_vector_add(state.place_before, self.shift)),
+            turned(state.velocity, state.velocity_before),
+        )
     }
 }
 
-/// A stick goes on turning as it did, if that is not far (some 30° a step).
+/// A stick goes on turning against the head as it did, if that is not far (some 30° a step).
 #[inline(always)]
 fn go_on<L: Lane>(state: &State<L>) -> Turn<L> {
     let (now, before, long_before) = (state.turn, state.turn_before, state.turn_long_before);

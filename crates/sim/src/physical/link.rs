@@ -26,7 +26,7 @@ pub(crate) struct Link<L> {
 /// Where a stick and its far point are, and where they were.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State<L> {
-    /// Stick axes (x along it) to head axes, now, a step and two steps ago.
+    /// Stick axes (x along it) to head axes, now, a step and two steps ago. What was is in the head's axes as they were then.
     pub turn: Turn<L>,
     pub turn_before: Turn<L>,
     pub turn_long_before: Turn<L>,

@@ -174,7 +174,8 @@ impl Mechanics for Physical {
             }
             _ => {
                 let now = at(timeline.step_secs(step + 1));
-                World::Implicit { carry: Carry::new(timeline, begin, &now), now }
+                let before = timeline.step_secs(step.saturating_sub(1));
+                World::Implicit { carry: Carry::new(timeline, (before, begin), &now), now }
             }
         }
     }

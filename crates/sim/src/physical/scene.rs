@@ -1,7 +1,6 @@
 use super::contact::MovingSurface;
 use crate::timeline::Timeline;
-use nalgebra::UnitQuaternion;
-use tousle_core::{Attachment, HeadMotion, Vec3};
+use tousle_core::{Attachment, HeadMotion, Pose, Vec3};
 use tousle_field::{Moment, Reading, Sampler};
 use tousle_rod::Surface;
 
@@ -22,13 +21,12 @@ pub(crate) struct Now<'a> {
     pub is_still: bool,
 }
 
-/// Where what stands still over the ground goes in head space during a step in which the head moves.
+/// Where what stands still over the ground has come to in head space at the end of a step in which the head moves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carry {
-    pub turn: UnitQuaternion<f64>,
-    pub shift: Vec3,
-    /// Whether the head went where nothing that moves could follow, and takes its hair along.
-    pub is_cut: bool,
+    /// Since the step's begin, and since that of the step before.
+    pub from: Pose,
+    pub from_before: Pose,
 }
 
 /// A head that goes faster than this, m/s, or turns faster, rad/s, has not moved: the shot was cut there.
@@ -47,7 +45,8 @@ impl<'a> Now<'a> {
                 .as_ref()
                 .map_or_else(Default::default, |head| timeline.surface_motion(head, collider.attachment));
             let is_heads = head.is_none() || collider.attachment == Attachment::Head;
-            MovingSurface { surface, velocity, angular_velocity, is_heads }
+            let own_from_head = (!is_heads).then(|| torso.inverse());
+            MovingSurface { surface, velocity, angular_velocity, own_from_head }
         };
         let wind = timeline.wind_secs(secs).map(|secs| sampler.at(secs, reading));
         Self {
@@ -62,14 +61,26 @@ impl<'a> Now<'a> {
 }
 
 impl Carry {
-    /// What a step from some time to now does to what stands still over the ground; `None` if the head never moves.
-    pub fn new(timeline: &Timeline<'_>, before_secs: f64, now: &Now<'_>) -> Option<Self> {
-        let after = now.head.as_ref()?.world_from_head;
-        let before = timeline.head_at(before_secs).world_from_head;
-        let relative = after.inverse() * before;
-        let dt_secs = now.secs - before_secs;
-        let way = (after.translation.vector - before.translation.vector).norm();
-        let is_cut = way > CUT_SPEED * dt_secs || relative.rotation.angle() > CUT_TURN * dt_secs;
-        Some(Self { turn: relative.rotation, shift: relative.translation.vector, is_cut })
+    /// Of a step to now that begins at a time, and the one before at another; `None` if the head never moves.
+    ///
+    /// At a cut the hair goes along, with the shape and the velocities it had, as the head sees them.
+    pub fn new(
+        timeline: &Timeline<'_>,
+        (before_secs, begin_secs): (f64, f64),
+        now: &Now<'_>,
+    ) -> Option<Self> {
+        let end = (now.secs, now.head.as_ref()?.world_from_head);
+        let [before, begin] =
+            [before_secs, begin_secs].map(|secs| (secs, timeline.head_at(secs).world_from_head));
+        let head_from_world = if is_cut(begin, end) { begin.1 } else { end.1 }.inverse();
+        let stood_before = if is_cut(before, begin) { begin.1 } else { before.1 };
+        Some(Self { from: head_from_world * begin.1, from_before: head_from_world * stood_before })
     }
+}
+
+/// Whether the head went, from one time and place to others, where nothing that moves could follow.
+fn is_cut((from_secs, from): (f64, Pose), (to_secs, to): (f64, Pose)) -> bool {
+    let dt_secs = to_secs - from_secs;
+    let way = (to.translation.vector - from.translation.vector).norm();
+    way > CUT_SPEED * dt_secs || from.rotation.angle_to(&to.rotation) > CUT_TURN * dt_secs
 }
