@@ -5,7 +5,7 @@ mod common;
 use common::{
     DOWN, farthest, mannequin, over_the_head, physical, run, still_air, straight, track, uniform, vacuum,
 };
-use tousle_core::{Pose, PoseTrack, Quantity, Strand, Vec3};
+use tousle_core::{Pose, PoseTrack, Quantity, Strand, StrandMotion, Vec3};
 use tousle_field::Scene;
 use tousle_sim::{Integrator, Method, Precision, SimError, SimOptions, TimeMode};
 
@@ -237,6 +237,92 @@ fn a_strand_does_not_know_its_neighbors() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     let threaded = pool.install(|| run(&field, &mannequin(), locks, &options).unwrap().motion);
     assert_eq!(threaded.positions_m, all.positions_m);
+}
+
+/// A head's poses from a second before the start on.
+fn head(pose: impl Fn(f64) -> Pose) -> PoseTrack {
+    let rate_hz = 240.0;
+    let poses = (-240..=600).map(|k| pose(f64::from(k) / rate_hz)).collect();
+    PoseTrack { start_secs: -1.0, rate_hz, poses }
+}
+
+fn turned_about_z(angle: f64) -> Pose {
+    let turn = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::z() * angle);
+    Pose::from_parts(Vec3::zeros().into(), turn)
+}
+
+/// How far apart the points of two motions are at most, m.
+fn apart(one: &StrandMotion, other: &StrandMotion) -> f64 {
+    let [a, b] = [one, other].map(|motion| motion.positions_m.iter().map(|p| Vec3::from(p.map(f64::from))));
+    a.zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+}
+
+/// Both ways to take steps, of one length and of lengths of their own.
+const STEPS: [(Integrator, f64); 2] =
+    [(Integrator::Implicit, 1.0 / 480.0), (Integrator::Adaptive, 1.0 / 60.0)];
+
+/// A limp strand whose root is the pivot does not know that the head turns: it stays where it is in the world.
+#[test]
+fn a_turning_head_leaves_a_limp_strand_behind() {
+    let angle = |t: f64| 0.75 * (1.0 - libm::cos(core::f64::consts::PI * t.clamp(0.0, 1.0)));
+    let scene = Scene { poses: head(|t| turned_about_z(angle(t))), ..vacuum(Vec3::zeros()) };
+    for (integrator, dt_secs) in STEPS {
+        let limp = Strand {
+            bending_stiffness_n_m2: 0.0,
+            ..straight(Vec3::zeros(), Vec3::new(1.0, 0.0, 0.4), 0.2, 6)
+        };
+        let motion = run(&no_wind(), &scene, vec![limp], &physical(integrator, dt_secs, 1.0)).unwrap().motion;
+        let tip = track(&motion, 6);
+        let stays = turned_about_z(-angle(1.0)).rotation * tip[0];
+        assert!((tip[60] - stays).norm() < 5e-4, "{integrator:?}: {} against {stays}", tip[60]);
+    }
+}
+
+/// A head that speeds up evenly feels like one under a tilted gravity.
+#[test]
+fn a_heads_acceleration_is_gravity_tilted() {
+    let acceleration = Vec3::new(2.0, -1.0, 0.5);
+    let poses = head(|t| {
+        let way = acceleration * (0.5 * t.max(0.0) * t.max(0.0));
+        Pose::translation(way.x, way.y, way.z)
+    });
+    let hanging = || vec![straight(Vec3::new(0.0, 0.0, 0.1), Vec3::new(-0.3, 0.1, -1.0), 0.2, 8)];
+    for (integrator, dt_secs) in STEPS {
+        let options = physical(integrator, dt_secs, 1.5);
+        let speeding = run(&no_wind(), &Scene { poses: poses.clone(), ..vacuum(DOWN) }, hanging(), &options);
+        // The same strand under true gravity, with the missing part as a force on every point.
+        let instead = uniform(Quantity::ForcePerMass, 1.0, &[-acceleration]);
+        let pushed = run(&instead, &vacuum(DOWN), hanging(), &options).unwrap().motion;
+        let apart = apart(&speeding.unwrap().motion, &pushed);
+        assert!(farthest(&pushed) > 0.02);
+        assert!(apart < 5e-4, "{integrator:?}: {apart}");
+    }
+}
+
+/// Where the shot is cut, the hair goes along, with the shape and the velocities it had. The head stands still just then.
+#[test]
+fn hair_goes_along_at_a_cut() {
+    // To and fro until 0.4 s and again from 0.6 s on.
+    let angle = |t: f64| {
+        let since = if t < 0.5 { t } else { (t - 0.6).max(0.0) };
+        0.3 * (1.0 - libm::cos(core::f64::consts::TAU * since.min(0.4) / 0.4))
+    };
+    let cut = |secs: f64| {
+        let elsewhere = Pose::translation(100.0, -60.0, 0.0) * turned_about_z(2.0);
+        head(|t| if t < secs { Pose::identity() } else { elsewhere } * turned_about_z(angle(t)))
+    };
+    let locks =
+        || vec![over_the_head(), straight(Vec3::new(-0.1, 0.0, 0.0), Vec3::new(-1.0, 0.0, -0.5), 0.25, 9)];
+    for (integrator, dt_secs) in [(Integrator::Implicit, 1.0 / 60.0), (Integrator::Implicit, 1.0 / 240.0)] {
+        let moved = |secs: f64| {
+            let scene = Scene { poses: cut(secs), body: vacuum(DOWN).body, ..mannequin() };
+            run(&common::gusts(), &scene, locks(), &physical(integrator, dt_secs, 1.0)).unwrap().motion
+        };
+        let (whole, cut) = (moved(9.0), moved(0.5));
+        assert!(farthest(&whole) > 0.02);
+        let apart = apart(&whole, &cut);
+        assert!(apart < 1e-5, "{dt_secs}: {apart}");
+    }
 }
 
 /// However much a step may be off, none is longer than was asked for.

@@ -3,7 +3,7 @@
 use super::batch::{Batch, Model};
 use super::implicit::Formula;
 use super::link::Work;
-use super::scene::{Carry, Now};
+use super::scene::{Carry, at_end_of_step};
 use crate::SimOptions;
 use crate::lane::{Lane, Placing};
 use crate::timeline::Timeline;
@@ -69,8 +69,8 @@ impl<L: Lane> Batch<L> {
                 dt if dt > 0.5 * left => 0.5 * left,
                 dt => dt,
             };
-            let now = Now::new(timeline, sampler, time + dt, Reading::LaidOut);
-            let carry = Carry::new(timeline, (pace.last_begin_secs.unwrap_or(time), time), &now);
+            let secs = [pace.last_begin_secs.unwrap_or(time), time, time + dt];
+            let (now, carry) = at_end_of_step(timeline, sampler, Reading::LaidOut, secs);
             let before = self.states.clone();
             let touchable = self.touchable.clone();
             let at_rest = self.at_rest;

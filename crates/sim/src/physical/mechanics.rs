@@ -6,7 +6,7 @@ use super::build::{Prepared, Shape, build, contact_stiffness};
 use super::explicit::Swing;
 use super::implicit::Formula;
 use super::link::Work;
-use super::scene::{Carry, Now};
+use super::scene::{Carry, Now, at_end_of_step};
 use super::stability;
 use crate::extent::Extent;
 use crate::lane::{Lane, Registers, Vector};
@@ -173,9 +173,9 @@ impl Mechanics for Physical {
                 World::Rk4(Box::new([0.0, 0.5, 1.0].map(|share| at(begin + share * self.formula.dt_secs))))
             }
             _ => {
-                let now = at(timeline.step_secs(step + 1));
-                let before = timeline.step_secs(step.saturating_sub(1));
-                World::Implicit { carry: Carry::new(timeline, (before, begin), &now), now }
+                let secs = [step.saturating_sub(1), step, step + 1].map(|step| timeline.step_secs(step));
+                let (now, carry) = at_end_of_step(timeline, sampler, reading, secs);
+                World::Implicit { now, carry }
             }
         }
     }

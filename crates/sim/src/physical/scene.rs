@@ -58,24 +58,42 @@ impl<'a> Now<'a> {
             head,
         }
     }
+
+    /// Neither the head nor a surface has a velocity.
+    fn stand_still(&mut self) {
+        self.head = self.head.map(|head| HeadMotion::still(head.world_from_head));
+        for surface in &mut self.surfaces {
+            (surface.velocity, surface.angular_velocity) = Default::default();
+        }
+    }
 }
 
-impl Carry {
-    /// Of a step to now that begins at a time, and the one before at another; `None` if the head never moves.
-    ///
-    /// At a cut the hair goes along, with the shape and the velocities it had, as the head sees them.
-    pub fn new(
-        timeline: &Timeline<'_>,
-        (before_secs, begin_secs): (f64, f64),
-        now: &Now<'_>,
-    ) -> Option<Self> {
-        let end = (now.secs, now.head.as_ref()?.world_from_head);
-        let [before, begin] =
-            [before_secs, begin_secs].map(|secs| (secs, timeline.head_at(secs).world_from_head));
-        let head_from_world = if is_cut(begin, end) { begin.1 } else { end.1 }.inverse();
-        let stood_before = if is_cut(before, begin) { begin.1 } else { before.1 };
-        Some(Self { from: head_from_world * begin.1, from_before: head_from_world * stood_before })
+/// What the world does at the end of a step, and what it does on the way there: nothing if the head never moves. `secs`: when
+/// the step before began, when this one begins, and when it ends.
+///
+/// At a cut the hair goes along, with the shape and the velocities it had, as the head sees them, and nothing else feels
+/// that the head moves.
+pub(crate) fn at_end_of_step<'a>(
+    timeline: &Timeline<'_>,
+    sampler: &'a Sampler<'a>,
+    reading: Reading,
+    secs: [f64; 3],
+) -> (Now<'a>, Option<Carry>) {
+    let mut now = Now::new(timeline, sampler, secs[2], reading);
+    if now.head.is_none() {
+        return (now, None);
     }
+    let [before, begin, end] = secs.map(|secs| (secs, timeline.head_at(secs).world_from_head));
+    let stood_before = if is_cut(before, begin) { begin.1 } else { before.1 };
+    let end = if is_cut(begin, end) {
+        now.stand_still();
+        begin
+    } else {
+        end
+    };
+    let head_from_world = end.1.inverse();
+    let carry = Carry { from: head_from_world * begin.1, from_before: head_from_world * stood_before };
+    (now, Some(carry))
 }
 
 /// Whether the head went, from one time and place to others, where nothing that moves could follow.
