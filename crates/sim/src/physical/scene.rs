@@ -7,8 +7,6 @@ use tousle_rod::Surface;
 /// What the world does at one time, head axes.
 #[derive(Clone, Debug)]
 pub(crate) struct Now<'a> {
-    /// The time, s.
-    pub secs: f64,
     /// The field; `None` where no wind blows.
     pub wind: Option<Moment<'a>>,
     /// Gravity, m/s².
@@ -50,7 +48,6 @@ impl<'a> Now<'a> {
         };
         let wind = timeline.wind_secs(secs).map(|secs| sampler.at(secs, reading));
         Self {
-            secs,
             is_still: head.is_none() && wind.as_ref().is_none_or(Moment::is_still),
             wind,
             gravity: motion.world_from_head.rotation.inverse() * timeline.gravity_world(),
