@@ -65,8 +65,8 @@ impl<'a> Now<'a> {
     }
 }
 
-/// What the world does at the end of a step, and what it does on the way there: nothing if the head never moves. `secs`: when
-/// the step before began, when this one begins, and when it ends.
+/// What the world does at the end of a step, and what it does on the way there: nothing if the head never moves. The times:
+/// when the step before began, when this one begins, and when it ends.
 ///
 /// At a cut the hair goes along, with the shape and the velocities it had, as the head sees them, and nothing else feels
 /// that the head moves.
@@ -74,13 +74,13 @@ pub(crate) fn at_end_of_step<'a>(
     timeline: &Timeline<'_>,
     sampler: &'a Sampler<'a>,
     reading: Reading,
-    secs: [f64; 3],
+    [before_secs, begin_secs, end_secs]: [f64; 3],
 ) -> (Now<'a>, Option<Carry>) {
-    let mut now = Now::new(timeline, sampler, secs[2], reading);
-    if now.head.is_none() {
-        return (now, None);
-    }
-    let [before, begin, end] = secs.map(|secs| (secs, timeline.head_at(secs).world_from_head));
+    let mut now = Now::new(timeline, sampler, end_secs, reading);
+    let Some(head) = now.head else { return (now, None) };
+    let [before, begin] =
+        [before_secs, begin_secs].map(|secs| (secs, timeline.head_at(secs).world_from_head));
+    let end = (end_secs, head.world_from_head);
     let stood_before = if is_cut(before, begin) { begin.1 } else { before.1 };
     let end = if is_cut(begin, end) {
         now.stand_still();
