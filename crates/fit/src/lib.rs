@@ -15,7 +15,9 @@ mod resample;
 
 pub use outside::outside_direction;
 pub use paper::{PaperOptions, PaperReading, PaperSpan};
-pub use physical::{Defects, LockFound, PhysicalOptions, PhysicalReport, Scales, Taught, Wig};
+pub use physical::{
+    Defects, LIKELY_STIFFNESS_SPREAD, LockFound, PhysicalOptions, PhysicalReport, Scales, Taught, Wig,
+};
 
 use serde::Serialize;
 use tousle_core::{HeadCapture, Progress, Sample, Session, Track, UpAxis, Vec3, WindSamples};

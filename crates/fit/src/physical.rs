@@ -24,7 +24,7 @@ use lock::{Seeing, SeenLock};
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 pub use report::{LockFound, PhysicalReport};
-pub use taught::{Defects, Scales, Taught};
+pub use taught::{Defects, LIKELY_STIFFNESS_SPREAD, Scales, Taught};
 use tousle_core::{
     HeadCapture, Progress, Quantity, STANDARD_GRAVITY, Sample, Session, UpAxis, Vec3, WindSample, WindSamples,
 };

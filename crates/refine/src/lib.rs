@@ -15,7 +15,7 @@ mod rounds;
 mod stiffness;
 mod wig;
 
-pub use report::{RefineReport, Round};
+pub use report::{RefineReport, Round, Stiffness};
 
 use rounds::Loop;
 use std::error::Error;

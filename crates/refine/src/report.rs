@@ -5,13 +5,22 @@ use serde::Serialize;
 pub struct RefineReport {
     /// The locks that were held out to say when to stop.
     pub held_out: Vec<String>,
-    /// How many times as stiff as is likely of such hair all locks were found to be, before any was asked by itself; `None` where
-    /// nobody knows how they hung at rest, or nothing was seen after that, and they are taken for as stiff as is likely.
-    pub stiffness: Option<f64>,
+    /// How stiff all locks were found to be, before any was asked by itself; `None` where nobody knows how they hung at rest, or
+    /// nothing was seen after that, and they are taken for as stiff as is likely.
+    pub stiffness: Option<Stiffness>,
     /// Before the first round, and after each; with some locks held out, if any were.
     pub rounds: Vec<Round>,
     /// Rounds that were gone with all locks and kept: 0 means that the wind is as it was measured.
     pub kept: usize,
+}
+
+/// How stiff all locks of a wig are.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Stiffness {
+    /// Over what is likely of such hair.
+    pub times: f64,
+    /// Standard deviation of its logarithm.
+    pub spread: f64,
 }
 
 /// A wig that is off by more than this share of how far it moved is believed less: on captures of all that a session should

@@ -2,6 +2,7 @@
 
 use crate::compare::{Compared, compare};
 use crate::learn::learn;
+use crate::report::Stiffness;
 use crate::stiffness::{ROUGH_RATE_HZ, Sought};
 use crate::wig::{capture, simulated, with_scales};
 use crate::{Lay, Measured, RefineError};
@@ -21,7 +22,7 @@ pub(crate) struct Loop<'a> {
 pub(crate) struct Turn {
     pub(crate) fit: Fit,
     /// What all locks are taken for before any is asked by itself.
-    pub(crate) likely: Scales,
+    pub(crate) likely: Stiffness,
     scales: Vec<Scales>,
 }
 
@@ -45,13 +46,13 @@ impl Loop<'_> {
     ) -> Result<Turn, RefineError> {
         let scales = self.learnt(turn, &compared, held_out)?;
         compared.field.steps.clear();
-        let mut taught = Taught { scales, ..Taught::default() };
+        let mut taught = Taught { scales, stiffness_spread: turn.likely.spread, ..Taught::default() };
         if let Some(air) = &turn.fit.air {
             taught.defects = self.defects(turn, &compared)?;
             taught.air = Some(air.without_covariances());
         }
         drop(compared);
-        Ok(Turn { fit: self.measured.fit(&taught, held_out)?, likely: turn.likely, scales: taught.scales })
+        Ok(Turn { fit: self.measured.fit(&taught, held_out)?, scales: taught.scales, likely: turn.likely })
     }
 
     /// The wind to begin with, at [`ROUGH_RATE_HZ`] at most: what is learnt from it for the next one changes slowly.
@@ -66,17 +67,16 @@ impl Loop<'_> {
         )
     }
 
-    /// The wind measured with all locks of one wig so many times as stiff as is likely, starting from the air of another fit
-    /// if there is one.
+    /// The wind measured with all locks of one wig so stiff, starting from the air of another fit if there is one.
     pub(crate) fn with_stiffness(
         &self,
-        stiffness: f64,
+        likely: Stiffness,
         from: Option<&Fit>,
         held_out: &[usize],
     ) -> Result<Turn, RefineError> {
-        let likely = Scales { stiffness, ..Scales::default() };
         let air = from.and_then(|fit| Some(fit.air.as_ref()?.without_covariances()));
-        let taught = Taught { scales: vec![likely; self.n_locks()], air, ..Taught::default() };
+        let scales = vec![likely.scales(); self.n_locks()];
+        let taught = Taught { scales, stiffness_spread: likely.spread, air, ..Taught::default() };
         Ok(Turn { fit: self.measured.fit(&taught, held_out)?, likely, scales: taught.scales })
     }
 
@@ -107,7 +107,7 @@ impl Loop<'_> {
         held_out: &[usize],
     ) -> Result<Vec<Scales>, RefineError> {
         let mut now = turn.scales.clone();
-        now.resize(self.n_locks(), turn.likely);
+        now.resize(self.n_locks(), turn.likely.scales());
         let answer = |change: &dyn Fn(&Scales) -> Scales| -> Result<_, RefineError> {
             let changed: Vec<Scales> = now.iter().map(change).collect();
             let groom = with_scales(self.wig, &changed);
@@ -116,7 +116,7 @@ impl Loop<'_> {
         let stiffer =
             answer(&|s| Scales { stiffness: s.stiffness * libm::exp(crate::learn::TRIED[0]), ..*s })?;
         let wider = answer(&|s| Scales { drag: s.drag * libm::exp(crate::learn::TRIED[1]), ..*s })?;
-        Ok(learn(self.measured, turn.likely, &now, compared, [&stiffer, &wider], held_out))
+        Ok(learn(self.measured, turn.likely.scales(), &now, compared, [&stiffer, &wider], held_out))
     }
 
     fn lay(&self, fit: &Fit) -> Result<FieldSequence, RefineError> {

@@ -1,13 +1,10 @@
 //! How stiff the whole wig is, from which stiffness lets it move in its own wind as it was seen to.
 
+use crate::report::Stiffness;
 use crate::rounds::Loop;
 use crate::{Measured, RefineError};
 use tousle_field::GridSpec;
-use tousle_fit::{Fit, FitMethod, FitOptions};
-
-/// How far the logarithm of the wig's stiffness may be from that of as many hairs as weigh so much: hairs differ in thickness, and
-/// in how they hold together.
-const LIKELY: f64 = 0.5;
+use tousle_fit::{Fit, FitMethod, FitOptions, LIKELY_STIFFNESS_SPREAD, Scales};
 
 /// From one stiffness that is tried to the next, as a logarithm: 1.6 times. The error's logarithm is near to a parabola over
 /// three such.
@@ -29,17 +26,24 @@ const MODES: usize = 30;
 /// How stiff a wig was found to be.
 #[derive(Default)]
 pub(crate) struct Sought {
-    /// How many times as stiff all its locks are as is likely; `None` where nobody can tell: if nobody knows how they hung at
-    /// rest, or if nothing was seen after that.
-    pub(crate) stiffness: Option<f64>,
+    /// How stiff all its locks are; `None` where nobody can tell: if nobody knows how they hung at rest, or if nothing was seen
+    /// after that.
+    pub(crate) stiffness: Option<Stiffness>,
     /// What was found, roughly, with the nearest stiffness that was tried; `None` where nobody can tell that.
     pub(crate) nearest: Option<Fit>,
 }
 
 impl Sought {
-    /// How many times as stiff all locks are taken for as is likely.
-    pub(crate) fn likely(&self) -> f64 {
-        self.stiffness.unwrap_or(1.0)
+    /// How stiff all locks are taken for.
+    pub(crate) fn likely(&self) -> Stiffness {
+        self.stiffness.unwrap_or(Stiffness { times: 1.0, spread: LIKELY_STIFFNESS_SPREAD })
+    }
+}
+
+impl Stiffness {
+    /// What it makes of every lock, before any is asked by itself.
+    pub(crate) fn scales(self) -> Scales {
+        Scales { stiffness: self.times, ..Scales::default() }
     }
 }
 
@@ -49,7 +53,7 @@ impl Sought {
 /// finds the wind that goes with the stiffness that it is told. But what inertia, weight and the air's resistance make of the motion
 /// does not change with both. So for each stiffness that is tried the wind is measured anew, roughly, and the wig simulated in it;
 /// that with which it comes nearest is most likely: a profile likelihood in which every lock counts as one measurement of
-/// unknown spread, and what is likely of hair ([`LIKELY`]) as another.
+/// unknown spread, and what is likely of hair ([`LIKELY_STIFFNESS_SPREAD`]) as another.
 pub(crate) fn sought(around: &Loop<'_>, held_out: &[usize]) -> Result<Sought, RefineError> {
     let Measured { head, session, .. } = *around.measured;
     // Where bends count little, a wig that is stiffer hardly moves, in more wind than there was, and so comes nearer.
@@ -63,9 +67,10 @@ pub(crate) fn sought(around: &Loop<'_>, held_out: &[usize]) -> Result<Sought, Re
     let mut nearest: Option<(f64, Fit)> = None;
     let cost = |log: f64| -> Result<f64, RefineError> {
         let from = nearest.as_ref().map(|(_, fit)| fit);
-        let turn = around.with_stiffness(libm::exp(log), from, held_out)?;
+        let stiffness = Stiffness { times: libm::exp(log), spread: LIKELY_STIFFNESS_SPREAD };
+        let turn = around.with_stiffness(stiffness, from, held_out)?;
         let off_m = around.compare(&turn)?.round(held_out).seen_m;
-        let unlikely = log / LIKELY;
+        let unlikely = log / LIKELY_STIFFNESS_SPREAD;
         let cost = n_locks as f64 * libm::log(off_m) + 0.5 * unlikely * unlikely;
         // Hair that is nowhere is as far off as can be.
         let cost = if cost.is_nan() { f64::INFINITY } else { cost };
@@ -74,7 +79,7 @@ pub(crate) fn sought(around: &Loop<'_>, held_out: &[usize]) -> Result<Sought, Re
         }
         Ok(cost)
     };
-    let stiffness = least(cost)?.map(libm::exp);
+    let stiffness = least(cost)?.map(|(log, spread)| Stiffness { times: libm::exp(log), spread });
     Ok(Sought { stiffness, nearest: stiffness.and(nearest).map(|(_, fit)| fit) })
 }
 
@@ -102,9 +107,10 @@ fn coarse(grid: &GridSpec) -> GridSpec {
     GridSpec { edge_m, dims: grid.dims.map(n_voxels), ..*grid }
 }
 
-/// Where a cost is least: walks from 0 on, [`STEP`] by [`STEP`], for as long as it falls, and ends on the parabola through
-/// the last three; `None` if it is infinite at 0. A cost is never NaN.
-fn least<E>(mut cost: impl FnMut(f64) -> Result<f64, E>) -> Result<Option<f64>, E> {
+/// Where a cost, minus a logarithm of a likelihood, is least, and the standard deviation of that: walks from 0 on, [`STEP`] by
+/// [`STEP`], for as long as it falls, and ends on the parabola through the last three; `None` if it is infinite at 0. A cost is never
+/// NaN.
+fn least<E>(mut cost: impl FnMut(f64) -> Result<f64, E>) -> Result<Option<(f64, f64)>, E> {
     let here = cost(0.0)?;
     if here == f64::INFINITY {
         return Ok(None);
@@ -117,20 +123,31 @@ fn least<E>(mut cost: impl FnMut(f64) -> Result<f64, E>) -> Result<Option<f64>, 
         let after = cost(at + step)?;
         if after >= best {
             let bend = before - 2.0 * best + after;
-            let aside = if bend.is_finite() && bend > 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
-            return Ok(Some(at + step * aside));
+            let (aside, spread) = if bend.is_finite() && bend > 0.0 {
+                (0.5 * (before - after) / bend, STEP / bend.sqrt())
+            } else {
+                (0.0, STEP)
+            };
+            return Ok(Some((at + step * aside, spread.min(LIKELY_STIFFNESS_SPREAD))));
         }
         (before, best, at) = (best, after, at + step);
     }
-    Ok(Some(at))
+    Ok(Some((at, LIKELY_STIFFNESS_SPREAD)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn least_with_spread(cost: impl Fn(f64) -> f64) -> (f64, f64) {
+        least(|log| Ok::<_, core::convert::Infallible>(cost(log)))
+            .ok()
+            .flatten()
+            .unwrap_or((f64::NAN, f64::NAN))
+    }
+
     fn least_of(cost: impl Fn(f64) -> f64) -> f64 {
-        least(|log| Ok::<_, core::convert::Infallible>(cost(log))).ok().flatten().unwrap_or(f64::NAN)
+        least_with_spread(cost).0
     }
 
     #[test]
@@ -139,6 +156,16 @@ mod tests {
             let found = least_of(|log| 3.0 + (log - place) * (log - place));
             assert!((found - place).abs() < 1e-12, "{found}, not {place}");
         }
+    }
+
+    #[test]
+    fn a_parabola_tells_how_sure_it_is() {
+        for spread in [0.05, 0.3] {
+            let of_bell = |log: f64| 0.5 * (log - 0.4) * (log - 0.4) / (spread * spread);
+            let (_, found) = least_with_spread(of_bell);
+            assert!((found - spread).abs() < 1e-12, "{found}, not {spread}");
+        }
+        assert!((least_with_spread(|_| 1.0).1 - STEP).abs() < 1e-12, "nothing tells");
     }
 
     #[test]

@@ -152,7 +152,8 @@ pub fn summary(report: &ConversionReport) -> String {
         };
         let words = "times as stiff as so many fine hairs: thus it moves in its wind as it was seen to";
         if let Some(stiffness) = refined.stiffness {
-            line("the wig", format!("is {stiffness:.2} {words}"));
+            let percent = stiffness.spread * 100.0;
+            line("the wig", format!("is {:.2} (standard deviation {percent:.0} %) {words}", stiffness.times));
         }
         if refined.rounds[0].seen_m.is_finite() {
             line("refined", format!("the simulated wig was off by {}; {outcome}", off(0)));

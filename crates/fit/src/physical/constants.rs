@@ -25,9 +25,16 @@ const DRAG: f64 = 0.05;
 /// the body nothing else does.
 const BEND: f64 = 0.15;
 
-/// How far the mean over all locks of the logarithm of stiffness, and of drag, may be off. It is known to be nothing: seen bends have
-/// errors, so a balance always finds hair softer than it is, and what all drag has in common cannot be told from the wind's strength.
+/// How far the mean over all locks of the logarithm of stiffness, and of drag, may be moved by what is seen. It is held: seen bends
+/// have errors, so a balance always finds hair softer than it is, and what all drag has in common cannot be told from the wind's
+/// strength. How far they may be off nevertheless ([`super::Taught::stiffness_spread`], [`ALL_DRAG`]) counts in how sure the air is, as of
+/// parameters that are considered but not estimated (S. F. Schmidt, "Application of state-space methods to navigation problems",
+/// *Advances in Control Systems* 3, 1966).
 const MEAN: f64 = 1e-3;
+
+/// How far the logarithm of all locks' drag may be off together: all widths are measured with one gauge, to a few per cent, and laws
+/// of a cylinder's drag differ by as much.
+const ALL_DRAG: f64 = 0.07;
 
 /// Where the column of a bend stands, at a place and about an axis.
 pub(crate) fn bend_column(place: usize, axis: usize) -> usize {
@@ -51,8 +58,9 @@ pub(crate) struct ConstantsSaid {
     pub(crate) vector: DVector<f64>,
     /// By step: the block that joins the air's state (rows) to the constants.
     pub(crate) with_air: Vec<DMatrix<f64>>,
-    /// Whether what is unknown of them shall count in the covariances of the states.
-    pub(crate) spreads: bool,
+    /// If what is unknown of them shall count in the covariances of the states: the vectors that move what is held of the means, of
+    /// stiffness and of drag, by their standard deviations.
+    pub(crate) means_off: Option<DMatrix<f64>>,
 }
 
 /// What a step says of the constants.
@@ -66,14 +74,21 @@ pub(crate) struct ConstantsAt {
 }
 
 impl ConstantsSaid {
-    /// All steps together, with what is likely before any is asked.
-    pub(crate) fn together(steps: impl Iterator<Item = ConstantsAt>, n_locks: usize, spreads: bool) -> Self {
-        let mut said = Self {
-            information: likely(n_locks),
-            vector: DVector::zeros(n_locks * N_CONSTANTS),
-            with_air: Vec::new(),
-            spreads,
+    /// All steps together, with what is likely before any is asked. `stiffness_spread`: how far the mean logarithm of stiffness
+    /// may be off, if what is unknown shall count.
+    pub(crate) fn together(
+        steps: impl Iterator<Item = ConstantsAt>,
+        n_locks: usize,
+        stiffness_spread: Option<f64>,
+    ) -> Self {
+        let (information, n) = (likely(n_locks), n_locks * N_CONSTANTS);
+        let by_spreads = |stiffness: f64| {
+            let spreads = [stiffness, ALL_DRAG];
+            let alike = |i: usize, mean: usize| if i % N_CONSTANTS == mean { spreads[mean] } else { 0.0 };
+            &information * DMatrix::from_fn(n, spreads.len(), alike)
         };
+        let means_off = stiffness_spread.map(by_spreads);
+        let mut said = Self { information, vector: DVector::zeros(n), with_air: Vec::new(), means_off };
         for step in steps {
             for (lock, of_lock) in step.information.iter().enumerate() {
                 let at = lock * N_CONSTANTS;

@@ -194,7 +194,7 @@ fn with_constants(
     eliminated: &[Eliminated],
     said: ConstantsSaid,
 ) -> Option<DVector<f64>> {
-    let ConstantsSaid { mut information, mut vector, with_air, spreads } = said;
+    let ConstantsSaid { mut information, mut vector, with_air, means_off } = said;
     for (likely, with_air) in likely.iter().zip(&with_air) {
         vector.gemv_tr(-1.0, with_air, &likely.state, 1.0);
     }
@@ -222,23 +222,38 @@ fn with_constants(
         block -= product;
     }
     let factor = information.cholesky()?;
-    let constants = factor.solve(&vector);
-    // How far they move the states.
-    let moved = |step: usize| {
-        let mut sum = DMatrix::zeros(likely[step].state.len(), 1);
-        for (group, forward) in groups.iter().zip(&forwards) {
-            sum.gemm(1.0, &forward[step], &constants.rows_range(group.clone()), 1.0);
-        }
-        sum
+    let constants = DMatrix::from_columns(&[factor.solve(&vector)]);
+    let n_state = likely.first()?.state.len();
+    // How far constants, a column for each choice of them, move the states backwards.
+    let moved_by = |constants: &DMatrix<f64>| {
+        let of_step = |step: usize| {
+            let mut sum = DMatrix::zeros(n_state, constants.ncols());
+            for (group, forward) in groups.iter().zip(&forwards) {
+                sum.gemm(1.0, &forward[step], &constants.rows_range(group.clone()), 1.0);
+            }
+            sum
+        };
+        backward(eliminated, (0..eliminated.len()).map(of_step).collect())
     };
-    let moved = backward(eliminated, (0..likely.len()).map(moved).collect());
-    for (likely, moved) in likely.iter_mut().zip(moved) {
+    for (likely, moved) in likely.iter_mut().zip(moved_by(&constants)) {
         likely.state -= moved.column(0);
     }
-    if spreads {
+    if let Some(means_off) = means_off {
         add_unknown(likely, eliminated, &groups, &forwards, &factor);
+        add_spreads(likely, &[moved_by(&factor.solve(&means_off))]);
     }
-    Some(constants)
+    Some(constants.column(0).into_owned())
+}
+
+/// Adds to the states' covariances what comes of independent unknowns of variance 1: by group of them how far they move each step's
+/// state.
+fn add_spreads(likely: &mut [Likely], moved: &[Vec<DMatrix<f64>>]) {
+    likely.par_iter_mut().enumerate().for_each(|(step, likely)| {
+        let Some(covariance) = &mut likely.covariance else { return };
+        for of_group in moved {
+            covariance.gemm(1.0, &of_group[step], &of_group[step].transpose(), 1.0);
+        }
+    });
 }
 
 /// Adds to the states' covariances what comes of the constants' own, of whose information `factor` is one.
@@ -264,12 +279,7 @@ fn add_unknown(
         backward(eliminated, independent.collect())
     };
     let moved: Vec<Vec<DMatrix<f64>>> = groups.par_iter().enumerate().map(of_group).collect();
-    likely.par_iter_mut().enumerate().for_each(|(step, likely)| {
-        let Some(covariance) = &mut likely.covariance else { return };
-        for of_group in &moved {
-            covariance.gemm(1.0, &of_group[step], &of_group[step].transpose(), 1.0);
-        }
-    });
+    add_spreads(likely, &moved);
 }
 
 /// The eliminated steps' lower factor's inverse times some columns of every step.
@@ -310,7 +320,7 @@ mod tests {
             information: DMatrix::from_fn(n, n, |r, c| if r == c { 4.0 } else { 0.02 }),
             vector: DVector::from_fn(n, |i, _| 0.4 - 0.2 * i as f64),
             with_air: with_air.collect(),
-            spreads: true,
+            means_off: Some(DMatrix::from_fn(n, 2, |i, mean| if i % 3 == mean { 0.3 } else { 0.0 })),
         }
     }
 
@@ -385,6 +395,10 @@ mod tests {
         }
         let covariance: DMatrix<f64> = dense.try_inverse().unwrap_or_else(|| DMatrix::zeros(n, n));
         let expected: DVector<f64> = &covariance * right;
+        let mut means_off = DMatrix::zeros(n, 2);
+        means_off.rows_mut(9, n_constants).copy_from(beside.means_off.as_ref().unwrap());
+        let means_off = &covariance * means_off;
+        let covariance = covariance + &means_off * means_off.transpose();
         let Some((found, found_constants)) =
             most_likely(&wander, |_| carried(), said.into(), Some(beside), true)
         else {

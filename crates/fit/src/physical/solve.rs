@@ -241,10 +241,10 @@ fn step_states(
 ) -> Option<Vec<Constants>> {
     let of_air: Vec<Said> = said.iter_mut().map(|s| core::mem::take(&mut s.of_air)).collect();
     let of_constants = said.iter_mut().map(|s| core::mem::take(&mut s.of_constants));
-    let of_constants = problem
-        .options
-        .locks_differ
-        .then(|| ConstantsSaid::together(of_constants, problem.locks.len(), sureness == Sureness::OfAll));
+    let of_constants = problem.options.locks_differ.then(|| {
+        let spread = (sureness == Sureness::OfAll).then_some(problem.taught.stiffness_spread);
+        ConstantsSaid::together(of_constants, problem.locks.len(), spread)
+    });
     let wander = wander(problem, fan_wind, air.modes.n_modes());
     let carried = |step: usize| carried(problem, air, step);
     let with_covariance = sureness != Sureness::Unasked;

@@ -6,14 +6,27 @@ use tousle_rod::shortest_rotation;
 
 /// What simulating the captured wig taught, to measure anew with: `tousle-refine` makes it. By lock of the session, empty
 /// where nothing was taught.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Taught {
     /// What each lock is made of.
     pub scales: Vec<Scales>,
+    /// How far the logarithm of all locks' stiffness may be off together: what that would do to the wind counts in how sure it is.
+    pub stiffness_spread: f64,
     /// What the balance of moments leaves over of each.
     pub defects: Vec<Option<Defects>>,
     /// The air that was found before, at any rate: to start from, so that fewer rounds are needed.
     pub air: Option<AirFlow>,
+}
+
+/// How far the logarithm of a wig's stiffness may be from that of as many hairs as weigh so much: hairs differ in thickness, and
+/// in how they hold together.
+pub const LIKELY_STIFFNESS_SPREAD: f64 = 0.5;
+
+/// Nothing: all hair is as stiff as is likely, and nobody knows it better.
+impl Default for Taught {
+    fn default() -> Self {
+        Self { scales: Vec::new(), stiffness_spread: LIKELY_STIFFNESS_SPREAD, defects: Vec::new(), air: None }
+    }
 }
 
 /// A lock's mechanics as factors on what is taken for likely: the stiffness of as many hairs as weigh so much, and the drag of
