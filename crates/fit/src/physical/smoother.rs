@@ -224,11 +224,13 @@ fn with_constants(
     let factor = information.cholesky()?;
     let constants = DMatrix::from_columns(&[factor.solve(&vector)]);
     let n_state = likely.first()?.state.len();
-    // How far constants, a column for each choice of them, move the states backwards.
+    // How far constants, a column for each choice of them, move the states backwards; those that no row is given for are zero.
     let moved_by = |constants: &DMatrix<f64>| {
         let of_step = |step: usize| {
             let mut sum = DMatrix::zeros(n_state, constants.ncols());
-            for (group, forward) in groups.iter().zip(&forwards) {
+            for (group, forward) in
+                groups.iter().zip(&forwards).take_while(|(g, _)| g.end <= constants.nrows())
+            {
                 sum.gemm(1.0, &forward[step], &constants.rows_range(group.clone()), 1.0);
             }
             sum
@@ -239,47 +241,33 @@ fn with_constants(
         likely.state -= moved.column(0);
     }
     if let Some(means_off) = means_off {
-        add_unknown(likely, eliminated, &groups, &forwards, &factor);
-        add_spreads(likely, &[moved_by(&factor.solve(&means_off))]);
+        add_unknown(likely, &groups, &factor, &means_off, moved_by);
     }
     Some(constants.column(0).into_owned())
 }
 
-/// Adds to the states' covariances what comes of independent unknowns of variance 1: by group of them how far they move each step's
-/// state.
-fn add_spreads(likely: &mut [Likely], moved: &[Vec<DMatrix<f64>>]) {
-    likely.par_iter_mut().enumerate().for_each(|(step, likely)| {
-        let Some(covariance) = &mut likely.covariance else { return };
-        for of_group in moved {
-            covariance.gemm(1.0, &of_group[step], &of_group[step].transpose(), 1.0);
-        }
-    });
-}
-
-/// Adds to the states' covariances what comes of the constants' own, of whose information `factor` is one.
+/// Adds to the states' covariances what comes of the constants' own, of whose information `factor` is one, and of what is held of
+/// them. `moved_by` tells how far constants move each step's state.
 fn add_unknown(
     likely: &mut [Likely],
-    eliminated: &[Eliminated],
     groups: &[Range<usize>],
-    forwards: &[Vec<DMatrix<f64>>],
     factor: &Cholesky<f64, Dyn>,
+    means_off: &DMatrix<f64>,
+    moved_by: impl Fn(&DMatrix<f64>) -> Vec<DMatrix<f64>> + Sync,
 ) {
     let n = factor.l_dirty().nrows();
     let inverse = Triangle::of(factor.l_dirty()).solve(&DMatrix::identity(n, n));
     // Independent unknowns of variance 1 in place of the constants: lower triangular, each hangs on those before it.
-    let of_group = |(g, group): (usize, &Range<usize>)| {
-        let independent = (0..eliminated.len()).map(|step| {
-            let mut sum = DMatrix::zeros(forwards[g][step].nrows(), group.len());
-            for (other, forward) in groups[..=g].iter().zip(forwards) {
-                let shares = inverse.view_range(group.clone(), other.clone()).transpose();
-                sum.gemm(1.0, &forward[step], &shares, 1.0);
-            }
-            sum
-        });
-        backward(eliminated, independent.collect())
-    };
-    let moved: Vec<Vec<DMatrix<f64>>> = groups.par_iter().enumerate().map(of_group).collect();
-    add_spreads(likely, &moved);
+    let of_group =
+        |group: &Range<usize>| moved_by(&inverse.view_range(group.clone(), ..group.end).transpose());
+    let mut moved: Vec<Vec<DMatrix<f64>>> = groups.par_iter().map(of_group).collect();
+    moved.push(moved_by(&factor.solve(means_off)));
+    likely.par_iter_mut().enumerate().for_each(|(step, likely)| {
+        let Some(covariance) = &mut likely.covariance else { return };
+        for of_group in &moved {
+            covariance.gemm(1.0, &of_group[step], &of_group[step].transpose(), 1.0);
+        }
+    });
 }
 
 /// The eliminated steps' lower factor's inverse times some columns of every step.
