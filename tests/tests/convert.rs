@@ -8,7 +8,9 @@ use tousle_core::NoProgress;
 use tousle_eff::{ReadOptions, WriteOptions};
 use tousle_field::VoxelFlag;
 use tousle_fit::{FitMethod, FitOptions, PaperOptions};
-use tousle_pipeline::{ConvertError, ConvertOptions, Converted, Input, Silent, convert};
+use tousle_pipeline::{
+    ConvertError, ConvertOptions, Converted, Input, PrepareOptions, Prepared, Silent, convert, prepare,
+};
 use tousle_tests::{CAPTURE, SESSION, name, shared_captures};
 
 fn input(bytes: &[u8]) -> Input<'_> {
@@ -56,6 +58,28 @@ fn the_demo_capture_becomes_a_sound_field() {
     let read = tousle_eff::read(&bytes[..], &ReadOptions::default()).unwrap();
     assert!(read.field == converted.eff.field, "the field comes back as it was");
     assert!(read.scene == converted.eff.scene, "and so does the scene");
+}
+
+/// A session that does not say when hair hung still: the capture shows it, and the report says that nobody said it.
+#[test]
+fn still_frames_that_nobody_named_are_found() {
+    let mut session: serde_json::Value = serde_json::from_slice(SESSION).unwrap();
+    let fields = session.as_object_mut().unwrap();
+    let named = fields.remove("still_frames").unwrap();
+    let named = [0, 1].map(|k| named[k].as_i64().unwrap());
+    fields.remove("wind_starts_about_frame").unwrap();
+    let session = serde_json::to_vec(&session).unwrap();
+    let prepared = prepare(input(CAPTURE), input(&session), &PrepareOptions::default(), &Silent).unwrap();
+    let (first, last) = prepared.session.still_frames.unwrap();
+    assert_eq!(first, named[0]);
+    // Hair takes a tenth of a second to be moved by the first of the wind.
+    assert!((named[1] - 12..named[1] + 18).contains(&last), "{last}, named {}", named[1]);
+    let said = prepared.quality.assumed.iter().find(|assumed| assumed.what == "still_frames").unwrap();
+    assert_eq!(said.value, format!("[{first}, {last}]"));
+    let noise_m = |prepared: &Prepared| prepared.located.report.noise_m.unwrap();
+    let of_named = prepare(input(CAPTURE), input(SESSION), &PrepareOptions::default(), &Silent).unwrap();
+    assert!((noise_m(&prepared) / noise_m(&of_named) - 1.0).abs() < 0.1, "the head is seen at rest as well");
+    assert!(!of_named.quality.assumed.iter().any(|assumed| assumed.what == "still_frames"));
 }
 
 /// The demo's capture has gaps; as it was, and cleaned: what no camera saw makes no wind, so that the method's

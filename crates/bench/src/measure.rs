@@ -1,5 +1,5 @@
 //! Measuring the wind judged: `paper` and `physical` on every capture, and what becomes of `physical` with other voxels,
-//! rates, markers, locks, noise and gaps.
+//! rates, markers, locks, noise, gaps, and hair that nobody saw at rest.
 
 mod calibration;
 mod report;
@@ -34,7 +34,7 @@ pub struct MeasureRow {
     pub capture: String,
     /// The method's name: `paper`, `physical`, `physical --refine`.
     pub method: &'static str,
-    /// What is varied: `method`, `dirt`, `choice`, `reading`, `voxel`, `rate`, `refine`, `markers`, `locks`, `noise`, `gaps`.
+    /// What is varied: `method`, `dirt`, `choice`, `reading`, `voxel`, `rate`, `refine`, `markers`, `locks`, `noise`, `gaps`, `rest`.
     pub varied: &'static str,
     /// How much there is of what is varied ([`Setting::level`]).
     pub level: f64,
@@ -116,13 +116,15 @@ struct Seen {
 
 impl Seen {
     fn of(folder: &CaptureFolder, prepared: &Prepared, worse: Worse) -> Result<Self, BenchError> {
-        let head = worse.applied(&prepared.located.head, || folder.truth.markers());
+        let head = worse.applied(&prepared.located.head, &prepared.session, || folder.truth.markers());
         let head = head.map_err(folder.truth_failed())?;
+        let session = worse.known(&prepared.session);
         let watch = Stopwatch::start();
-        let cleaned = tousle_clean::clean(&head, &prepared.session, &CleanOptions::default())
+        let cleaned = tousle_clean::clean(&head, &session, &CleanOptions::default())
             .map_err(failed(folder.name(), "cleaning"))?;
         let cost = watch.stop();
-        Ok(Self { worse, prepared: prepared.clone().with_cleaned(cleaned), cost })
+        let prepared = Prepared { session, ..prepared.clone() };
+        Ok(Self { worse, prepared: prepared.with_cleaned(cleaned), cost })
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! [`locate_head`] finds in every frame the rigid transform that carries the markers' places on the head to
 //! where the cameras saw them, from whichever markers are there and behave, smooths the poses into the track that
-//! a field file carries, and expresses every lock in head space.
+//! a field file carries, and expresses every lock in head space. [`find_still`] finds when the hair hung still, where nobody said.
 
 mod bridge;
 mod frames;
@@ -11,7 +11,9 @@ mod locate;
 mod registration;
 mod shape;
 mod smooth;
+mod still;
 
 pub use frames::{FrameQuality, LabelMended, PoseGap};
 pub use locate::{HeadError, HeadOptions, HeadReport, Located, MarkerReport, locate_head};
 pub use smooth::{PoseTrackReport, SmoothOptions, TrackedPoses};
+pub use still::{StillFound, find_still};

@@ -41,7 +41,7 @@ use tousle_core::{
 /// | `fans[].to_azimuth_deg`, `.blows_towards_world`, `.program` | `None`, empty |
 /// | `air_density_kg_m3` | 1.2 kg/m³ |
 /// | `name` | `session` |
-/// | `still_frames` | with `wind_starts_about_frame`, all before it but for the last tenth; else `None` |
+/// | `still_frames` | with `wind_starts_about_frame`, all before it but for the last tenth; else `None`, and whoever prepares the capture looks for them in it |
 /// | `subject`, `rate_hz`, `units`, `up_axis`, `wind_starts_about_frame` | `None` |
 ///
 /// # Errors

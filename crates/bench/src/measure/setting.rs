@@ -60,6 +60,7 @@ impl Setting {
             with("noise", "1 mm more", Worse::Noise(1e-3)),
             with("gaps", "10 % more", Worse::Gaps(0.1)),
             with("gaps", "30 % more", Worse::Gaps(0.3)),
+            with("rest", "never seen", Worse::RestUnseen),
         ]);
         settings
     }
@@ -116,7 +117,7 @@ impl Setting {
                 READINGS.iter().position(|reading| *reading == paper.reading).map_or(f64::NAN, |k| k as f64)
             }
             ("markers", _, Worse::EverySecondMarker) => 0.5,
-            ("markers", ..) | ("dirt", _, Worse::Not) => 1.0,
+            ("markers", ..) | ("dirt" | "rest", _, Worse::Not) => 1.0,
             ("locks", _, Worse::Locks(n)) => n as f64,
             ("locks", ..) => f64::INFINITY,
             ("noise", _, Worse::Noise(sd_m)) => 1e3 * sd_m,

@@ -19,11 +19,12 @@ const CHOSEN: [Kind; 4] = [
 ];
 
 /// How good the capture is.
-const WORSE: [Kind; 5] = [
+const WORSE: [Kind; 6] = [
     ("markers", "markers of a lock"),
     ("locks", "locks"),
     ("noise", "noise"),
     ("gaps", "gaps"),
+    ("rest", "rest never seen"),
     ("dirt", "dirt"),
 ];
 

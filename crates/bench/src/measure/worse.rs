@@ -1,5 +1,5 @@
 use crate::{TrueMotion, TruthError};
-use tousle_core::{HeadCapture, Track, Vec3};
+use tousle_core::{HeadCapture, Session, Track, Vec3};
 
 /// What is done to a capture before it is measured: always the same for the same capture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,12 +16,24 @@ pub enum Worse {
     Noise(f64),
     /// This share of all samples more is missing, in gaps of a quarter of a second.
     Gaps(f64),
+    /// Nobody saw the locks before the wind blew, and no frame is named in which they hang still.
+    RestUnseen,
 }
 
 /// Length of a gap, s.
 const GAP_SECS: f64 = 0.25;
 
+/// How long after the still frames locks are hidden too where they were never seen at rest, s: it takes the wind so long to move them.
+const ONSET_SECS: f64 = 0.2;
+
 impl Worse {
+    /// What is known of a capture that is made worse.
+    #[must_use]
+    pub fn known(self, session: &Session) -> Session {
+        let still_frames = session.still_frames.filter(|_| self != Self::RestUnseen);
+        Session { still_frames, ..session.clone() }
+    }
+
     /// A capture made worse, or as clean as its truth.
     ///
     /// # Errors
@@ -29,18 +41,21 @@ impl Worse {
     pub fn applied(
         self,
         head: &HeadCapture,
+        session: &Session,
         truth: impl FnOnce() -> Result<TrueMotion, TruthError>,
     ) -> Result<HeadCapture, TruthError> {
         Ok(match self {
             Self::Clean => cleaned(head, &truth()?),
-            _ => self.worsened(head),
+            _ => self.worsened(head, session),
         })
     }
 
-    fn worsened(self, head: &HeadCapture) -> HeadCapture {
+    fn worsened(self, head: &HeadCapture, session: &Session) -> HeadCapture {
         let mut worse = head.clone();
         let n_strands = worse.strands.len();
         let gap_frames = (GAP_SECS * head.rate_hz).round().max(1.0) as usize;
+        let still = session.still_range(head.first_frame, head.n_frames());
+        let blown_from = still.map_or(0, |(_, last)| last + (ONSET_SECS * head.rate_hz).round() as usize);
         let mut dice = Dice(1);
         for (strand_idx, strand) in worse.strands.iter_mut().enumerate() {
             let n_markers = strand.markers.len();
@@ -49,6 +64,9 @@ impl Worse {
                     Self::EverySecondMarker if (n_markers - marker_idx).is_multiple_of(2) => hide(track),
                     Self::Locks(n) if is_left_out(strand_idx, n_strands, n) => hide(track),
                     Self::Not | Self::Clean | Self::EverySecondMarker | Self::Locks(_) => {}
+                    Self::RestUnseen => {
+                        (0..blown_from.min(track.n_frames())).for_each(|frame| track.set(frame, None));
+                    }
                     Self::Noise(sd_m) => {
                         *track = track.map(|_, p| Some(p + Vec3::from_fn(|_, _| sd_m * dice.normal())));
                     }

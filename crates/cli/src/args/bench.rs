@@ -24,7 +24,7 @@ pub enum BenchCommand {
     Paper(BenchPaperArgs),
     /// The simulator: error against run time of every integrator and step, stiff and extreme cases, cost of each term.
     Sim(BenchSimArgs),
-    /// The wind that both methods measure on captures with their truth, with other voxels, rates, markers, noise, gaps.
+    /// The wind that both methods measure on captures with their truth, with other voxels, rates, markers, noise, gaps, no rest.
     Wind(BenchWindArgs),
     /// Drags drawn at random on captures, by E4 and solved for: how near the keys, how smooth, who else moves.
     Direct(BenchDirectArgs),

@@ -25,6 +25,9 @@ const DRAG: f64 = 0.05;
 /// the body nothing else does.
 const BEND: f64 = 0.15;
 
+/// The same, of a lock that nobody saw at rest.
+const BEND_UNSEEN: f64 = 0.4;
+
 /// How far the mean over all locks of the logarithm of stiffness, and of drag, may be moved by what is seen. It is held: seen bends
 /// have errors, so a balance always finds hair softer than it is, and what all drag has in common cannot be told from the wind's
 /// strength. How far they may be off nevertheless ([`super::Taught::stiffness_spread`], [`ALL_DRAG`]) counts in how sure the air is, as of
@@ -49,6 +52,15 @@ pub(crate) fn bend_share(place: usize, share: f64) -> f64 {
 /// All places.
 pub(crate) fn bend_places() -> core::ops::Range<usize> {
     0..BEND_PLACES
+}
+
+/// What is likely of all locks' constants before any is asked.
+#[derive(Clone, Copy)]
+pub(crate) struct LikelyConstants {
+    /// How many locks there are.
+    pub(crate) n_locks: usize,
+    /// Whether their shape at rest was seen.
+    pub(crate) rest_seen: bool,
 }
 
 /// What is said of all locks' constants, lock after lock, and of them together with the air at every step.
@@ -78,10 +90,10 @@ impl ConstantsSaid {
     /// may be off, if what is unknown shall count.
     pub(crate) fn together(
         steps: impl Iterator<Item = ConstantsAt>,
-        n_locks: usize,
+        likely: LikelyConstants,
         stiffness_spread: Option<f64>,
     ) -> Self {
-        let (information, n) = (likely(n_locks), n_locks * N_CONSTANTS);
+        let (information, n) = (likely.information(), likely.n_locks * N_CONSTANTS);
         let by_spreads = |stiffness: f64| {
             let spreads = [stiffness, ALL_DRAG];
             let alike = |i: usize, mean: usize| if i % N_CONSTANTS == mean { spreads[mean] } else { 0.0 };
@@ -102,20 +114,24 @@ impl ConstantsSaid {
     }
 }
 
-/// The precision of all constants before any lock is asked.
-fn likely(n_locks: usize) -> DMatrix<f64> {
-    let n = n_locks * N_CONSTANTS;
-    let spread = |constant: usize| match constant {
-        0 => STIFFNESS,
-        1 => DRAG,
-        _ => BEND,
-    };
-    let mean = 1.0 / (MEAN * n_locks as f64 * MEAN * n_locks as f64);
-    DMatrix::from_fn(n, n, |r, c| {
-        let (constant, other) = (r % N_CONSTANTS, c % N_CONSTANTS);
-        let own = if r == c { 1.0 / (spread(constant) * spread(constant)) } else { 0.0 };
-        own + if constant == other && constant < 2 { mean } else { 0.0 }
-    })
+impl LikelyConstants {
+    /// Their precision.
+    fn information(self) -> DMatrix<f64> {
+        let Self { n_locks, rest_seen } = self;
+        let n = n_locks * N_CONSTANTS;
+        let spread = |constant: usize| match constant {
+            0 => STIFFNESS,
+            1 => DRAG,
+            _ if rest_seen => BEND,
+            _ => BEND_UNSEEN,
+        };
+        let mean = 1.0 / (MEAN * n_locks as f64 * MEAN * n_locks as f64);
+        DMatrix::from_fn(n, n, |r, c| {
+            let (constant, other) = (r % N_CONSTANTS, c % N_CONSTANTS);
+            let own = if r == c { 1.0 / (spread(constant) * spread(constant)) } else { 0.0 };
+            own + if constant == other && constant < 2 { mean } else { 0.0 }
+        })
+    }
 }
 
 #[cfg(test)]
@@ -126,7 +142,8 @@ mod tests {
     #[test]
     fn the_mean_is_known() {
         let n_locks = 9;
-        let spread = likely(n_locks).try_inverse().unwrap();
+        let likely = LikelyConstants { n_locks, rest_seen: true };
+        let spread = likely.information().try_inverse().unwrap();
         let one = |constant: usize| {
             DVector::from_fn(spread.nrows(), |i, _| f64::from(u8::from(i % N_CONSTANTS == constant)))
         };

@@ -18,8 +18,9 @@ const FILL_RATE: f64 = 15.0;
 /// Error of a joint's stiffness as a share of it.
 const STIFFNESS_SHARE: f64 = 0.3;
 
-/// Error of a joint's bend, rad, of a lock whose shape without weight nobody knows.
-const BEND_UNKNOWN: f64 = 0.4;
+/// Error of a joint's bend, rad, of a lock that nobody saw at rest: what three numbers about each axis ([`super::constants`]) do
+/// not tell of its natural shape.
+const BEND_UNKNOWN: f64 = 0.2;
 
 /// Error of what a joint held at rest, as a share of it.
 const REST_SHARE: f64 = 0.15;

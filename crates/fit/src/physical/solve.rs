@@ -1,7 +1,7 @@
 //! All locks, all times and the air together: Gauss and Newton's method.
 
 use super::PhysicalOptions;
-use super::constants::{Constants, ConstantsSaid, N_CONSTANTS};
+use super::constants::{Constants, ConstantsSaid, LikelyConstants, N_CONSTANTS};
 use super::evidence::Station;
 use super::lock::SeenLock;
 use super::moments::{Balance, DragSlope};
@@ -243,7 +243,8 @@ fn step_states(
     let of_constants = said.iter_mut().map(|s| core::mem::take(&mut s.of_constants));
     let of_constants = problem.options.locks_differ.then(|| {
         let spread = (sureness == Sureness::OfAll).then_some(problem.taught.stiffness_spread);
-        ConstantsSaid::together(of_constants, problem.locks.len(), spread)
+        let likely = LikelyConstants { n_locks: problem.locks.len(), rest_seen: problem.still.is_some() };
+        ConstantsSaid::together(of_constants, likely, spread)
     });
     let wander = wander(problem, fan_wind, air.modes.n_modes());
     let carried = |step: usize| carried(problem, air, step);
