@@ -126,12 +126,14 @@ pub fn refine(
     let Measured { head, origins, session, options: how, .. } = *measured;
     let wig = tousle_fit::wig(head, origins, session, how)?.ok_or(RefineError::NoWig)?;
     let around = Loop { measured, wig: &wig, lay };
-    let once = options.rounds as u64 + 2;
+    // A wig whose shape at rest nobody saw moves otherwise whatever the wind is: nothing is learnt from how far off it is.
+    let most_rounds = if around.rest_seen() { options.rounds } else { 0 };
+    let once = most_rounds as u64 + 2;
     let total = if options.held_out.is_some() { 2 * once } else { once };
     let at = |step| progress.at(step, total);
     let refined = match options.held_out {
-        None => with_all(&around, options.rounds, at),
-        Some(every) => with_some_held_out(&around, options.rounds, every, at),
+        None => with_all(&around, most_rounds, at),
+        Some(every) => with_some_held_out(&around, most_rounds, every, at),
     }?;
     progress.at(total, total);
     Ok(refined)

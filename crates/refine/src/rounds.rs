@@ -27,6 +27,12 @@ pub(crate) struct Turn {
 }
 
 impl Loop<'_> {
+    /// Whether the locks were seen at rest.
+    pub(crate) fn rest_seen(&self) -> bool {
+        let Measured { head, session, .. } = self.measured;
+        session.still_range(head.first_frame, head.n_frames()).is_some()
+    }
+
     /// The wig in a turn's wind beside the seen one.
     pub(crate) fn compare(&self, turn: &Turn) -> Result<Compared, RefineError> {
         let field = self.lay(&turn.fit)?;

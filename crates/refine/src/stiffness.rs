@@ -55,9 +55,8 @@ impl Stiffness {
 /// that with which it comes nearest is most likely: a profile likelihood in which every lock counts as one measurement of
 /// unknown spread, and what is likely of hair ([`LIKELY_STIFFNESS_SPREAD`]) as another.
 pub(crate) fn sought(around: &Loop<'_>, held_out: &[usize]) -> Result<Sought, RefineError> {
-    let Measured { head, session, .. } = *around.measured;
     // Where bends count little, a wig that is stiffer hardly moves, in more wind than there was, and so comes nearer.
-    if session.still_range(head.first_frame, head.n_frames()).is_none() {
+    if !around.rest_seen() {
         return Ok(Sought::default());
     }
     let options = roughly(around.measured.options);
