@@ -74,6 +74,7 @@ fn a_capture_with_its_session_tells_its_quality() {
             && table.contains("longest")
             && table.contains("as the file has them")
     );
+    assert!(table.contains("assumed  friction"), "what the session leaves out is told: {table}");
     room.run("inspect gusts.c3d --report q.html").ended(2);
     room.run(&format!("{inspect} --report q.pdf")).ended(2);
     let convert = "convert gusts.c3d --method paper --session session.json --voxel-mm 100 -o f.eff.mcap --no-clean --json";

@@ -65,7 +65,24 @@ const LEGEND_LINE: f64 = 18.0;
 const N_COLORS: usize = 8;
 
 /// The style sheet of a page that shows plots.
-pub const PLOT_STYLE: &str = include_str!("../assets/css/plot.css");
+pub const PLOT_STYLE: &str =
+    concat!(include_str!("../assets/css/plot-in-page.css"), include_str!("../assets/css/plot.css"));
+
+/// The style sheet of a plot in a file of its own, without variables, of which programs that only draw know nothing.
+fn own_style() -> String {
+    let mut own = String::new();
+    let mut left = include_str!("../assets/css/plot.css");
+    while let Some((before, variable)) = left.split_once("var(")
+        && let Some((_, fallback)) = variable.split_once(", ")
+        && let Some((value, after)) = fallback.split_once(')')
+    {
+        own.push_str(before);
+        own.push_str(value);
+        left = after;
+    }
+    own.push_str(left);
+    own
+}
 
 /// The drawing area and the two scales.
 struct Frame {
@@ -77,24 +94,31 @@ struct Frame {
 impl Plot {
     /// The plot as an `<svg>` element that takes its colors from the page.
     pub fn svg(&self) -> String {
-        self.element("", "")
+        self.element(|_| String::new(), "")
     }
 
     /// The plot as an SVG file.
     pub fn standalone_svg(&self) -> String {
-        let style =
-            format!("<style>{PLOT_STYLE}</style>\n<rect class=\"paper\" width=\"100%\" height=\"100%\"/>\n");
-        self.element(" xmlns=\"http://www.w3.org/2000/svg\"", &style)
+        let style = format!(
+            "<style>{}</style>\n<rect class=\"paper\" width=\"100%\" height=\"100%\"/>\n",
+            own_style()
+        );
+        let own = |[width, height]: [f64; 2]| {
+            format!(" xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\"")
+        };
+        self.element(own, &style)
     }
 
-    fn element(&self, namespace: &str, first: &str) -> String {
+    /// The plot with these attributes of its own, which may depend on its size, and this before all else.
+    fn element(&self, attributes: impl Fn([f64; 2]) -> String, first: &str) -> String {
         let frame = self.frame();
         let [width, height] = frame.size;
+        let attributes = attributes(frame.size);
         let (left, right) = frame.x.ends();
         let (x0, x1) = frame.x.range();
         let title = escape(&self.title);
         let mut svg = format!(
-            "<svg{namespace} class=\"plot\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
+            "<svg{attributes} class=\"plot\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
              aria-label=\"{title}\" data-x0=\"{x0}\" data-x1=\"{x1}\" data-left=\"{left}\" data-right=\"{right}\">\n\
              {first}<title>{title}</title>\n"
         );
@@ -286,6 +310,21 @@ mod tests {
         assert!(svg.contains("data-left=\"56\" data-right=\"456\""), "{svg}");
         assert!(svg.contains("d=\"M56.0 160.0L256.0 30.0L456.0 95.0\""), "{svg}");
         assert!(svg.contains("a&lt;b") && svg.contains("time (s)"));
+    }
+
+    /// In a file of its own a plot says how large it is and what its colors are: programs that only draw know neither variables
+    /// nor a page around it.
+    #[test]
+    fn a_file_of_its_own_needs_no_page() {
+        let plot = plot(vec![[0.0, 0.0], [1.0, 1.0]], Scale::Linear);
+        let (own, in_page) = (plot.standalone_svg(), plot.svg());
+        assert!(!own.contains("var(") && !own.contains("height: auto"), "{own}");
+        assert!(own.contains(".plot text { fill: #23262b; }"), "{own}");
+        assert!(
+            own.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"470\" height=\"200\""),
+            "{own}"
+        );
+        assert!(in_page.starts_with("<svg class=\"plot\""), "{in_page}");
     }
 
     #[test]

@@ -171,9 +171,6 @@ pub fn summary(report: &ConversionReport) -> String {
             percent(raster.n_outside)
         ),
     );
-    for assumption in &report.quality.assumed {
-        line("assumed", format!("{} = {} ({})", assumption.what, assumption.value, assumption.why));
-    }
     for warning in &report.quality.ingest.warnings {
         line("warning", warning.clone());
     }

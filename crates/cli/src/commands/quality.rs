@@ -92,6 +92,9 @@ pub fn summary(report: &QualityReport) -> String {
         Some(clean) => line("cleaned", clean_line(clean)),
         None => line("cleaned", "nothing: the locks are as the file has them".to_owned()),
     }
+    for assumption in &report.assumed {
+        line("assumed", format!("{} = {} ({})", assumption.what, assumption.value, assumption.why));
+    }
     text
 }
 
