@@ -22,8 +22,8 @@ const CHOICES: &str = "The cost is that of cleaning, fit, closed loop and grid, 
                        that made the captures leaves in its own wind. The method paper measures a force, which is compared with \
                        the true drag of a reference lock.";
 
-const WORSE: &str = "Fewer markers or locks, more noise or gaps, locks that nobody saw at rest; no dirt: every marker where it really was, in every frame. The cost \
-                     is a result here and no choice.";
+const WORSE: &str = "Fewer markers or locks, more noise or gaps, locks that nobody saw at rest; no dirt: every marker where it \
+                     really was, in every frame. The cost is a result here and no choice.";
 
 const CALIBRATION: &str = "Above the bell's curve the stated standard deviations are larger than need be. A voxel's is of each \
                            component.";
