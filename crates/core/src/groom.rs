@@ -1,5 +1,6 @@
 use crate::Vec3;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// A hairstyle at rest: every strand's curve in head space and what it is made of.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +56,14 @@ pub struct Assumption {
     pub value: String,
     /// Why that value.
     pub why: String,
+}
+
+/// `what = value (why)`: as every report has it in words.
+impl fmt::Display for Assumption {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { what, value, why } = self;
+        write!(f, "{what} = {value} ({why})")
+    }
 }
 
 /// What makes a groom unusable.

@@ -6,7 +6,7 @@ use tousle_core::{Groom, Strand, Vec3};
 const N_SHARES: usize = 6;
 
 /// Numbers that stand for a strand: its root, its shape, how it answers the wind.
-const N: usize = 3 + 3 * N_SHARES + 1;
+pub(crate) const N: usize = 3 + 3 * N_SHARES + 1;
 
 /// Where a strand is among all; the distance of two such places, m, says how little they are alike.
 ///

@@ -2,6 +2,7 @@ use rayon::prelude::*;
 use tousle_core::Groom;
 
 use crate::alike::{Place, places, squared_distance};
+use crate::nearest::Nearest;
 use crate::weights::followers;
 use crate::{GuideError, Guides};
 
@@ -41,35 +42,81 @@ pub fn choose(groom: &Groom, n: usize) -> Result<Guides, GuideError> {
 }
 
 /// Strands that lie as far apart as can be, from the middle outwards.
+///
+/// Each strand belongs to the chosen one that lies nearest. A new one is nearer only to strands whose own lies less than twice
+/// as far from it as from them (the triangle's inequality), so few are asked.
 fn far_apart(places: &[Place], n: usize) -> Vec<usize> {
-    let mut chosen = vec![nearest_to(places, 0..places.len(), &mean(places, 0..places.len()))];
-    let mut squared: Vec<f64> = vec![f64::INFINITY; places.len()];
-    while chosen.len() < n.min(places.len()) {
-        let last = &places[chosen[chosen.len() - 1]];
-        squared
-            .par_iter_mut()
-            .zip(places)
-            .with_min_len(1024)
-            .for_each(|(d, place)| *d = d.min(squared_distance(place, last)));
-        let (farthest, distance) = squared
-            .iter()
-            .enumerate()
-            .fold((0, 0.0), |best, (k, d)| if *d > best.1 { (k, *d) } else { best });
-        if distance == 0.0 {
+    let middle = nearest_to(places, 0..places.len(), &mean(places, 0..places.len()));
+    let of_middle = (0..places.len())
+        .map(|k| Member { strand: k, squared: squared_distance(&places[k], &places[middle]) });
+    let mut parts = vec![Part::new(middle, of_middle.collect())];
+    while parts.len() < n.min(places.len()) {
+        let Some(farthest) = parts.iter().filter_map(|part| part.farthest).reduce(farther) else { break };
+        if farthest.squared == 0.0 {
             break;
         }
-        chosen.push(farthest);
+        let new = &places[farthest.strand];
+        let mut nearer = Vec::new();
+        for part in &mut parts {
+            let between = squared_distance(new, &places[part.chosen]);
+            if part.farthest.is_some_and(|member| between < 4.0 * member.squared) {
+                part.give_up(between, places, new, &mut nearer);
+            }
+        }
+        parts.push(Part::new(farthest.strand, nearer));
     }
-    chosen
+    parts.into_iter().map(|part| part.chosen).collect()
+}
+
+/// A strand, and how far it lies from the chosen one that lies nearest, squared.
+#[derive(Clone, Copy)]
+struct Member {
+    strand: usize,
+    squared: f64,
+}
+
+/// The one farther off; of equals the one whose strand comes first.
+fn farther(a: Member, b: Member) -> Member {
+    if a.squared.total_cmp(&b.squared).then(b.strand.cmp(&a.strand)).is_ge() { a } else { b }
+}
+
+/// A chosen strand and all that lie nearer to it than to another.
+struct Part {
+    chosen: usize,
+    members: Vec<Member>,
+    farthest: Option<Member>,
+}
+
+impl Part {
+    fn new(chosen: usize, members: Vec<Member>) -> Self {
+        let farthest = members.iter().copied().reduce(farther);
+        Self { chosen, members, farthest }
+    }
+
+    /// Gives those up that lie nearer to a new place, which is `between` (squared) from the chosen strand's.
+    fn give_up(&mut self, between: f64, places: &[Place], new: &Place, nearer: &mut Vec<Member>) {
+        let before = nearer.len();
+        self.members.retain(|member| {
+            if between >= 4.0 * member.squared {
+                return true;
+            }
+            let squared = squared_distance(&places[member.strand], new);
+            let stays = squared >= member.squared;
+            if !stays {
+                nearer.push(Member { squared, ..*member });
+            }
+            stays
+        });
+        if nearer.len() > before {
+            self.farthest = self.members.iter().copied().reduce(farther);
+        }
+    }
 }
 
 /// For each guide the strand in the middle of those that have no other guide nearer.
 fn in_the_middle(places: &[Place], guides: &[usize]) -> Vec<usize> {
-    let nearest_guide = |place: &Place| {
-        let distances = guides.iter().map(|g| squared_distance(place, &places[*g]));
-        first_smallest(distances).unwrap_or(0)
-    };
-    let of_strand: Vec<usize> = places.par_iter().with_min_len(64).map(nearest_guide).collect();
+    let tree = Nearest::new(places, guides);
+    let of_strand: Vec<usize> = places.par_iter().with_min_len(64).map(|place| tree.first(place)).collect();
     let mut parts = vec![Vec::new(); guides.len()];
     for (strand, guide) in of_strand.into_iter().enumerate() {
         parts[guide].push(strand);

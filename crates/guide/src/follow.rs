@@ -1,16 +1,21 @@
-use std::sync::atomic::{AtomicU64, Ordering};
-
-use nalgebra::Matrix3;
 use rayon::prelude::*;
 use tousle_core::{Groom, Progress, StrandMotion, Vec3};
 
 use crate::alike::lengths;
 use crate::guides::Follower;
+use crate::put::{Heard, NLanes, Prepared, Put, Stick, length};
 use crate::turns::AtRest;
 use crate::{GuideError, Guides};
 
 /// The most positions of a motion: 12 GB, as in the simulator.
 const MAX_POSITIONS: f64 = 1e9;
+
+/// Strands that a thread puts in their places at once: few enough for many threads, enough to be worth handing out.
+const STRANDS_AT_ONCE: usize = 128;
+
+/// A stick whose share of the length is so near to that of a guide's stick is heard of that one alone: strands of as many even
+/// points as their guides, as most grooms have, hear of half as many sticks.
+const SAME_SHARE: f64 = 1e-6;
 
 /// The motion of all strands from that of the guides.
 ///
@@ -41,24 +46,42 @@ pub fn follow(
     let leaders = Leaders::new(groom, guides);
     let strands: Vec<Prepared> = groom
         .strands
-        .iter()
+        .par_iter()
         .zip(&guides.followers)
         .map(|(s, f)| leaders.prepare(&s.rest_curve_m, f))
         .collect();
     let mut positions_m = vec![[0.0; 3]; n_frames * n_points];
-    let done = AtomicU64::new(0);
-    positions_m.par_chunks_exact_mut(n_points).enumerate().for_each(|(frame, out)| {
-        let guide_points = motion.frame(frame);
-        let turns = leaders.turns(guide_points);
-        let mut rest = out;
-        for (strand, n) in strands.iter().zip(&counts) {
-            let (points, others) = std::mem::take(&mut rest).split_at_mut(*n);
-            strand.put(guide_points, &turns, points);
-            rest = others;
-        }
-        progress.at(done.fetch_add(1, Ordering::Relaxed) + 1, n_frames as u64);
-    });
+    let arch = pulp::Arch::new();
+    let n_lanes = arch.dispatch(NLanes);
+    for (block, out) in positions_m.chunks_mut(n_lanes * n_points).enumerate() {
+        let frames: Vec<&[[f32; 3]]> =
+            (n_lanes * block..n_frames).take(n_lanes).map(|frame| motion.frame(frame)).collect();
+        let turned = leaders.turned(&frames, n_lanes);
+        parts(&strands, &counts, out.chunks_exact_mut(n_points).collect()).into_par_iter().for_each(
+            |(strands, mut out)| {
+                arch.dispatch(Put { strands, guide_points: &frames, turned: &turned, out: &mut out });
+            },
+        );
+        progress.at((n_lanes * block + frames.len()) as u64, n_frames as u64);
+    }
     Ok(StrandMotion { counts, times_secs: motion.times_secs.clone(), positions_m })
+}
+
+/// Some strands, and where their points go in each frame.
+type Part<'a, 'b> = (&'a [Prepared], Vec<&'b mut [[f32; 3]]>);
+
+/// Strands after strands, each few with their points in frames that hold those of all.
+fn parts<'a, 'b>(
+    strands: &'a [Prepared],
+    counts: &[usize],
+    mut frames: Vec<&'b mut [[f32; 3]]>,
+) -> Vec<Part<'a, 'b>> {
+    let part = |(strands, counts): (&'a [Prepared], &[usize])| {
+        let n: usize = counts.iter().sum();
+        let own = frames.iter_mut().map(|frame| frame.split_off_mut(..n).expect("points of all strands"));
+        (strands, own.collect())
+    };
+    strands.chunks(STRANDS_AT_ONCE).zip(counts.chunks(STRANDS_AT_ONCE)).map(part).collect()
 }
 
 fn check(groom: &Groom, guides: &Guides, motion: &StrandMotion) -> Result<(), GuideError> {
@@ -96,20 +119,6 @@ struct Leaders {
     middles: Vec<Vec<f64>>,
 }
 
-/// A strand, ready to be put where its guides are.
-enum Prepared {
-    /// Its points are there among the guides'.
-    Guide(usize),
-    /// It follows.
-    Sticks { curve_m: Vec<Vec3>, sticks: Vec<Vec3>, heard: Vec<Heard>, n_heard: usize },
-}
-
-/// What a stick hears of one guide: the turns of a stick of the guide and of the next one, each with its weight.
-struct Heard {
-    turn: usize,
-    weights: [f64; 2],
-}
-
 impl Leaders {
     fn new(groom: &Groom, guides: &Guides) -> Self {
         let curves = || guides.strands.iter().map(|k| &groom.strands[*k].rest_curve_m);
@@ -125,66 +134,72 @@ impl Leaders {
         }
     }
 
-    /// The turns of all guides' sticks, guide after guide.
-    fn turns(&self, points: &[[f32; 3]]) -> Vec<Matrix3<f64>> {
-        let mut turns = Vec::with_capacity(points.len());
-        for ((at_rest, first), n) in self.at_rest.iter().zip(&self.first_point).zip(&self.counts) {
-            let curve: Vec<Vec3> = points[*first..first + n].iter().copied().map(double).collect();
-            at_rest.turns(&curve, &mut turns);
-        }
-        turns
+    /// How far all guides' sticks have turned since rest, guide after guide: the nine numbers of R − 1, row after row, each in so
+    /// many frames side by side; where there are fewer frames, the last again.
+    ///
+    /// In single precision 1 itself would leave nothing of small turns; and what is at rest stays there to the bit.
+    fn turned(&self, frames: &[&[[f32; 3]]], n_lanes: usize) -> Vec<f32> {
+        let of_guide = |(guide, at_rest): (usize, &AtRest)| {
+            let points = self.first_point[guide]..self.first_point[guide] + self.counts[guide];
+            let mut of_frame = Vec::with_capacity(points.len());
+            let mut turned = vec![0.0; (points.len() - 1) * 9 * n_lanes];
+            for lane in 0..n_lanes {
+                if let Some(frame) = frames.get(lane) {
+                    let curve: Vec<Vec3> = frame[points.clone()].iter().copied().map(double).collect();
+                    of_frame.clear();
+                    at_rest.turns(&curve, &mut of_frame);
+                }
+                let numbers = of_frame.iter().flat_map(|turn| turn.transpose().data.0).flatten();
+                for ((turned, number), k) in turned.chunks_exact_mut(n_lanes).zip(numbers).zip((0..9).cycle())
+                {
+                    turned[lane] = (number - if k % 4 == 0 { 1.0 } else { 0.0 }) as f32;
+                }
+            }
+            turned
+        };
+        self.at_rest.par_iter().enumerate().flat_map_iter(of_guide).collect()
     }
 
     fn prepare(&self, curve_m: &[Vec3], follower: &Follower) -> Prepared {
         let guides = match follower {
-            Follower::Guide(guide) => return Prepared::Guide(self.first_point[*guide]),
+            Follower::Guide(guide) => {
+                let first = self.first_point[*guide];
+                return Prepared::Guide(first..first + self.counts[*guide]);
+            }
             Follower::Mean(guides) => guides,
         };
-        let heard = |share: f64| guides.iter().map(move |(guide, weight)| self.heard(*guide, *weight, share));
-        Prepared::Sticks {
-            sticks: curve_m.windows(2).map(|pair| pair[1] - pair[0]).collect(),
-            heard: middles(curve_m).into_iter().flat_map(heard).collect(),
-            n_heard: guides.len(),
-            curve_m: curve_m.to_vec(),
-        }
+        let mut heard = Vec::with_capacity(2 * guides.len() * (curve_m.len() - 1));
+        let stick = |(pair, share): (&[Vec3], f64)| {
+            let before = heard.len();
+            guides.iter().for_each(|(guide, weight)| self.hear(*guide, *weight, share, &mut heard));
+            let [rest_m, end_m] = [pair[1] - pair[0], pair[1]].map(single);
+            Stick { rest_m, length_m: length(rest_m), end_m, n_heard: heard.len() - before }
+        };
+        let sticks = curve_m.windows(2).zip(middles(curve_m)).map(stick).collect();
+        Prepared::Sticks { root_m: single(curve_m[0]), sticks, heard }
     }
 
     /// What a stick at a share of its strand's length hears of a guide.
-    fn heard(&self, guide: usize, weight: f64, share: f64) -> Heard {
+    fn hear(&self, guide: usize, weight: f64, share: f64, heard: &mut Vec<Heard>) {
         let middles = &self.middles[guide];
         // A guide of p points before this one has p − 1 sticks.
         let first = self.first_point[guide] - guide;
+        let mut say = |stick: usize, part: f64| {
+            heard.push(Heard { turn: (first + stick) as u32, weight: (weight * part) as f32 });
+        };
         let next = middles.partition_point(|m| *m <= share);
         if next == 0 || next == middles.len() {
-            return Heard { turn: first + next.saturating_sub(1), weights: [weight, 0.0] };
+            return say(next.saturating_sub(1), 1.0);
         }
-        let part = (share - middles[next - 1]) / (middles[next] - middles[next - 1]);
-        Heard { turn: first + next - 1, weights: [weight * (1.0 - part), weight * part] }
-    }
-}
-
-impl Prepared {
-    /// Puts the strand's points where its guides take them.
-    fn put(&self, guide_points: &[[f32; 3]], turns: &[Matrix3<f64>], out: &mut [[f32; 3]]) {
-        let (curve_m, sticks, heard, n_heard) = match self {
-            Self::Guide(first) => return out.copy_from_slice(&guide_points[*first..][..out.len()]),
-            Self::Sticks { curve_m, sticks, heard, n_heard } => (curve_m, sticks, heard, *n_heard),
-        };
-        out[0] = single(curve_m[0]);
-        let mut moved = Vec3::zeros();
-        for (k, (stick, heard)) in sticks.iter().zip(heard.chunks_exact(n_heard)).enumerate() {
-            let mut sum = Matrix3::zeros();
-            for Heard { turn, weights: [this, next] } in heard {
-                sum += turns[*turn] * *this;
-                if *next > 0.0 {
-                    sum += turns[turn + 1] * *next;
-                }
-            }
-            let mean = sum * stick;
-            // By how far the point is from its rest place, so that at rest it is there to the last digit.
-            let turned = mean.try_normalize(1e-12).map_or(*stick, |direction| direction * stick.norm());
-            moved += turned - stick;
-            out[k + 1] = single(curve_m[k + 1] + moved);
+        let [before, after] = [middles[next - 1], middles[next]];
+        if share - before < SAME_SHARE {
+            say(next - 1, 1.0);
+        } else if after - share < SAME_SHARE {
+            say(next, 1.0);
+        } else {
+            let part = (share - before) / (after - before);
+            say(next - 1, 1.0 - part);
+            say(next, part);
         }
     }
 }

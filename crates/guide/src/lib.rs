@@ -36,6 +36,9 @@ mod error;
 mod follow;
 mod guides;
 mod keep_out;
+mod nearest;
+mod outline;
+mod put;
 mod turns;
 mod weights;
 

@@ -1,9 +1,12 @@
 //! Whom a strand follows, and how much.
 
+use std::num::NonZeroUsize;
+
 use rayon::prelude::*;
 
-use crate::alike::{Place, squared_distance};
+use crate::alike::Place;
 use crate::guides::Follower;
+use crate::nearest::Nearest;
 
 /// Guides that a strand follows at most. With 4 the followers of 500 guides among 10,000 strands in a gust are 5 %
 /// farther off than with 8, with 2 they are 17 %; following takes time in proportion.
@@ -17,24 +20,13 @@ pub(crate) const NEAREST_SHARE: f64 = 0.55;
 
 /// Whom each strand follows. `guides` are indices of strands, rising.
 pub(crate) fn followers(places: &[Place], guides: &[usize]) -> Vec<Follower> {
+    let tree = Nearest::new(places, guides);
+    let and_one_more = NonZeroUsize::MIN.saturating_add(N_FOLLOWED);
     let follower = |(strand, place): (usize, &Place)| match guides.binary_search(&strand) {
         Ok(guide) => Follower::Guide(guide),
-        Err(_) => Follower::Mean(weights(&nearest(places, guides, place))),
+        Err(_) => Follower::Mean(weights(&tree.nearest(place, and_one_more))),
     };
     places.par_iter().enumerate().with_min_len(64).map(follower).collect()
-}
-
-/// The nearest guides and one more, with their distances, m, the nearest first.
-fn nearest(places: &[Place], guides: &[usize], place: &Place) -> Vec<(usize, f64)> {
-    let mut all: Vec<(usize, f64)> =
-        guides.iter().enumerate().map(|(k, g)| (k, squared_distance(place, &places[*g]).sqrt())).collect();
-    let by_distance = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0));
-    if all.len() > N_FOLLOWED + 1 {
-        all.select_nth_unstable_by(N_FOLLOWED, by_distance);
-        all.truncate(N_FOLLOWED + 1);
-    }
-    all.sort_unstable_by(by_distance);
-    all
 }
 
 /// Weights of guides at distances `d`, of which the last is one too many.

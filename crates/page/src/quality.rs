@@ -151,8 +151,7 @@ fn not_cleaned() -> String {
 fn notes(page: &QualityPage<'_>) -> String {
     let item = |text: String| format!("<li>{}</li>\n", escape(&text));
     let warnings: String = page.warnings.iter().cloned().map(item).collect();
-    let assumed: String =
-        page.assumed.iter().map(|a| item(format!("{} = {} ({})", a.what, a.value, a.why))).collect();
+    let assumed: String = page.assumed.iter().map(|a| item(a.to_string())).collect();
     let list = |title: &str, items: String| match items.as_str() {
         "" => format!("<h3>{title}</h3>\n<p class=\"note\">Nothing.</p>\n"),
         items => format!("<h3>{title}</h3>\n<ul class=\"note\">\n{items}</ul>\n"),

@@ -1,4 +1,5 @@
 use crate::{TrueMotion, TruthError};
+use std::ops::Range;
 use tousle_core::{HeadCapture, Session, Track, Vec3};
 
 /// What is done to a capture before it is measured: always the same for the same capture.
@@ -53,32 +54,40 @@ impl Worse {
     fn worsened(self, head: &HeadCapture, session: &Session) -> HeadCapture {
         let mut worse = head.clone();
         let n_strands = worse.strands.len();
-        let gap_frames = (GAP_SECS * head.rate_hz).round().max(1.0) as usize;
-        let still = session.still_range(head.first_frame, head.n_frames());
-        let blown_from = still.map_or(0, |(_, last)| last + (ONSET_SECS * head.rate_hz).round() as usize);
-        let mut dice = Dice(1);
-        for (strand_idx, strand) in worse.strands.iter_mut().enumerate() {
-            let n_markers = strand.markers.len();
-            for (marker_idx, track) in strand.markers.iter_mut().enumerate() {
-                match self {
-                    Self::EverySecondMarker if (n_markers - marker_idx).is_multiple_of(2) => hide(track),
-                    Self::Locks(n) if is_left_out(strand_idx, n_strands, n) => hide(track),
-                    Self::Not | Self::Clean | Self::EverySecondMarker | Self::Locks(_) => {}
-                    Self::RestUnseen => {
-                        (0..blown_from.min(track.n_frames())).for_each(|frame| track.set(frame, None));
-                    }
-                    Self::Noise(sd_m) => {
-                        *track = track.map(|_, p| Some(p + Vec3::from_fn(|_, _| sd_m * dice.normal())));
-                    }
-                    Self::Gaps(share) => {
-                        let n_gaps = (share * track.n_frames() as f64 / gap_frames as f64).round() as usize;
-                        for _ in 0..n_gaps {
-                            let first = (dice.even() * track.n_frames() as f64) as usize;
-                            (first..(first + gap_frames).min(track.n_frames()))
-                                .for_each(|f| track.set(f, None));
-                        }
+        let strands = worse.strands.iter_mut().enumerate();
+        match self {
+            Self::Not | Self::Clean => {}
+            Self::EverySecondMarker => strands
+                .flat_map(|(_, strand)| strand.markers.iter_mut().rev().skip(1).step_by(2))
+                .for_each(hide),
+            Self::Locks(n) => strands
+                .filter(|(strand_idx, _)| is_left_out(*strand_idx, n_strands, n))
+                .flat_map(|(_, strand)| &mut strand.markers)
+                .for_each(hide),
+            Self::Noise(sd_m) => {
+                let mut dice = Dice(1);
+                for track in strands.flat_map(|(_, strand)| &mut strand.markers) {
+                    *track = track.map(|_, p| Some(p + Vec3::from_fn(|_, _| sd_m * dice.normal())));
+                }
+            }
+            Self::Gaps(share) => {
+                let gap_frames = (GAP_SECS * head.rate_hz).round().max(1.0) as usize;
+                let mut dice = Dice(1);
+                for track in strands.flat_map(|(_, strand)| &mut strand.markers) {
+                    let n_gaps = (share * track.n_frames() as f64 / gap_frames as f64).round() as usize;
+                    for _ in 0..n_gaps {
+                        let first = (dice.even() * track.n_frames() as f64) as usize;
+                        hide_frames(track, first..first + gap_frames);
                     }
                 }
+            }
+            Self::RestUnseen => {
+                let still = session.still_range(head.first_frame, head.n_frames());
+                let onset_frames = (ONSET_SECS * head.rate_hz).round() as usize;
+                let blown_from = still.map_or(0, |(_, last)| last + onset_frames);
+                strands
+                    .flat_map(|(_, strand)| &mut strand.markers)
+                    .for_each(|track| hide_frames(track, 0..blown_from));
             }
         }
         worse
@@ -100,6 +109,11 @@ fn cleaned(head: &HeadCapture, truth: &TrueMotion) -> HeadCapture {
 
 fn hide(track: &mut Track) {
     *track = Track::missing(track.n_frames());
+}
+
+/// Hides those of these frames that the track has.
+fn hide_frames(track: &mut Track, frames: Range<usize>) {
+    (frames.start..frames.end.min(track.n_frames())).for_each(|frame| track.set(frame, None));
 }
 
 /// Whether a lock is not among `n` that are spread evenly over all.

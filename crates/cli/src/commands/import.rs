@@ -50,7 +50,7 @@ pub fn run(args: &ImportArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         print_json(&report)?;
     } else {
         for assumption in &report.assumed {
-            sayln!("   assumed  {} = {} ({})", assumption.what, assumption.value, assumption.why);
+            sayln!("   assumed  {assumption}");
         }
         sayln!(
             "wrote {} ({} steps, {:.1} MB)",

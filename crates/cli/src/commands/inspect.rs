@@ -143,7 +143,7 @@ fn groom_table(groom: &GroomSummary) -> String {
         let _ = writeln!(text, "bounds, m  {}", bounds(meters));
     }
     for assumption in &groom.assumed {
-        let _ = writeln!(text, "assumed    {} = {} ({})", assumption.what, assumption.value, assumption.why);
+        let _ = writeln!(text, "assumed    {assumption}");
     }
     for warning in &groom.warnings {
         let _ = writeln!(text, "warning    {warning}");

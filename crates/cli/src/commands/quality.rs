@@ -93,7 +93,7 @@ pub fn summary(report: &QualityReport) -> String {
         None => line("cleaned", "nothing: the locks are as the file has them".to_owned()),
     }
     for assumption in &report.assumed {
-        line("assumed", format!("{} = {} ({})", assumption.what, assumption.value, assumption.why));
+        line("assumed", assumption.to_string());
     }
     text
 }

@@ -188,7 +188,7 @@ fn summary(simulated: &Simulated, explain: bool) -> String {
         }
     }
     for assumption in &report.assumed {
-        let _ = writeln!(text, "assumed {} = {} ({})", assumption.what, assumption.value, assumption.why);
+        let _ = writeln!(text, "assumed {assumption}");
     }
     text
 }
