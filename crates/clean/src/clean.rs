@@ -217,6 +217,7 @@ impl Work {
                 for (piece, verdict) in open.iter().zip(&judged) {
                     self.refuse(piece, verdict);
                 }
+                left.retain(|u| u.track.n_valid() > 0);
                 return left;
             };
             let (piece, verdict) = (open.remove(k), judged.remove(k));
@@ -227,10 +228,8 @@ impl Work {
                     *verdict = judge(self.scene(), piece, volume);
                 }
             }
-            if let Some(u) = left.iter_mut().find(|u| u.label == piece.label) {
-                piece.frames.clone().for_each(|f| u.track.set(f, None));
-            }
-            left.retain(|u| u.track.n_valid() > 0);
+            let given = &mut left[piece.unlabeled_idx].track;
+            piece.frames.clone().for_each(|f| given.set(f, None));
         }
     }
 

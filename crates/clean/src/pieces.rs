@@ -11,6 +11,8 @@ const TAIL: f64 = 3.0;
 /// A stretch of a nameless trajectory without a gap.
 #[derive(Clone, Debug)]
 pub(crate) struct Piece<'a> {
+    /// Which of the nameless trajectories it is of: labels of two subjects may be the same.
+    pub unlabeled_idx: usize,
     pub label: &'a str,
     pub track: &'a Track,
     pub frames: Range<usize>,
@@ -33,12 +35,14 @@ pub(crate) struct Verdict {
 
 /// All pieces of the nameless trajectories, in order.
 pub(crate) fn pieces(unlabeled: &[UnlabeledTrack]) -> Vec<Piece<'_>> {
-    unlabeled.iter().flat_map(pieces_of).collect()
+    unlabeled.iter().enumerate().flat_map(pieces_of).collect()
 }
 
-fn pieces_of(UnlabeledTrack { label, track }: &UnlabeledTrack) -> impl Iterator<Item = Piece<'_>> {
+fn pieces_of(
+    (unlabeled_idx, UnlabeledTrack { label, track }): (usize, &UnlabeledTrack),
+) -> impl Iterator<Item = Piece<'_>> {
     let seen = runs(track.n_frames(), |f| track.at(f).is_some());
-    seen.into_iter().map(move |frames| Piece { label, track, frames })
+    seen.into_iter().map(move |frames| Piece { unlabeled_idx, label, track, frames })
 }
 
 /// Whose the piece is: the fill of each marker's gap, with its expected error, against a ghost anywhere in the

@@ -192,13 +192,13 @@ pub struct MergeArgs {
     #[arg(long, value_enum, default_value_t = SpanArg::All)]
     pub span: SpanArg,
     /// Time steps a second [default: the highest of the fields].
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_parser = parse_above_zero, value_name = "HZ")]
     pub rate_hz: Option<f64>,
     /// How far the heads' ways and the bodies' shapes may differ, mm.
-    #[arg(long, default_value_t = 10.0, value_name = "MM")]
+    #[arg(long, default_value_t = 10.0, value_parser = parse_above_zero, value_name = "MM")]
     pub tolerance_mm: f64,
     /// How far the heads may be turned from one another, degrees.
-    #[arg(long, default_value_t = 2.0, value_name = "DEG")]
+    #[arg(long, default_value_t = 2.0, value_parser = parse_above_zero, value_name = "DEG")]
     pub tolerance_deg: f64,
     /// How the field is packed.
     #[command(flatten)]

@@ -1,7 +1,7 @@
 //! Which extra wind gives an extra acceleration.
 
 use crate::resolve::Resolved;
-use tousle_core::{Strand, Vec3};
+use tousle_core::{Along, Strand, Vec3};
 use tousle_field::{Ease, FieldLayer, FieldSequence, Scene};
 use tousle_rod::DragLaw;
 
@@ -39,7 +39,8 @@ pub(crate) fn extra_winds(
             let over_ground = velocities[j] + head.velocity_of(points[j]);
             let tangent = tangent(&points, j);
             let relative = wind.sample(points[j]) - over_ground;
-            sums[j] += extra_wind(&law, resolved.strand, tangent, relative, *acceleration) * weight;
+            let hair = HairAt::of(resolved.strand, j);
+            sums[j] += extra_wind(&law, &hair, tangent, relative, *acceleration) * weight;
             if j == resolved.dragged {
                 along += share_along(tangent, *acceleration) * weight;
             }
@@ -49,13 +50,29 @@ pub(crate) fn extra_winds(
     (sums.into_iter().map(|sum| sum / weights).collect(), along / weights)
 }
 
+/// What a lock is made of at a control point.
+struct HairAt {
+    width_m: f64,
+    linear_density_kg_per_m: f64,
+}
+
+impl HairAt {
+    fn of(strand: &Strand, point: usize) -> Self {
+        let Along { width, linear_density, .. } = &strand.along;
+        Self {
+            width_m: strand.lock_width_m * Along::at(width, point),
+            linear_density_kg_per_m: strand.linear_density_kg_per_m * Along::at(linear_density, point),
+        }
+    }
+}
+
 /// The wind to add to the relative wind so that the force across the lock grows by acceleration times mass.
-fn extra_wind(law: &DragLaw, strand: &Strand, tangent: Vec3, relative: Vec3, acceleration: Vec3) -> Vec3 {
+fn extra_wind(law: &DragLaw, hair: &HairAt, tangent: Vec3, relative: Vec3, acceleration: Vec3) -> Vec3 {
     let across = |v: Vec3| v - tangent * v.dot(&tangent);
     let wind_across = across(relative);
-    let width_m = strand.lock_width_m;
+    let HairAt { width_m, linear_density_kg_per_m } = *hair;
     let force = wind_across * law.across(width_m, wind_across.norm())
-        + across(acceleration) * strand.linear_density_kg_per_m;
+        + across(acceleration) * linear_density_kg_per_m;
     let strength = force.norm();
     if strength == 0.0 {
         return -wind_across;
@@ -89,24 +106,26 @@ mod tests {
             lock_width_m: 0.005,
             bending_stiffness_n_m2: 1e-6,
             internal_damping_secs: 0.01,
-            along: tousle_core::Along::default(),
+            along: Along { width: vec![1.0, 0.25], linear_density: vec![1.0, 0.5], ..Along::default() },
             holds_style: false,
         }
     }
 
-    /// The lock hangs; 2 m/s from the side turned to 2 m/s from elsewhere by what the drag law says that takes.
+    /// The lock hangs; 2 m/s from the side turned to 2 m/s from elsewhere by what the drag law says that takes, where the lock
+    /// is a quarter as wide as where it is widest.
     #[test]
     fn the_law_gives_back_the_acceleration() {
-        let (law, strand) = (DragLaw::in_air(1.2), strand());
+        let (law, hair) = (DragLaw::in_air(1.2), HairAt::of(&strand(), 1));
+        assert_eq!((hair.width_m, hair.linear_density_kg_per_m), (0.00125, 0.001));
         let tangent = Vec3::new(0.0, 0.6, -0.8);
         for (wind, acceleration) in [
             (Vec3::new(2.0, 0.0, 0.0), Vec3::new(-3.0, 4.0, 1.0)),
             (Vec3::zeros(), Vec3::new(0.5, 0.0, 0.0)),
             (Vec3::new(0.3, 2.0, -1.0), Vec3::zeros()),
         ] {
-            let extra = extra_wind(&law, &strand, tangent, wind, acceleration);
-            let force = |w: Vec3| law.at(strand.lock_width_m, tangent, w).force;
-            let gained = (force(wind + extra) - force(wind)) / strand.linear_density_kg_per_m;
+            let extra = extra_wind(&law, &hair, tangent, wind, acceleration);
+            let force = |w: Vec3| law.at(hair.width_m, tangent, w).force;
+            let gained = (force(wind + extra) - force(wind)) / hair.linear_density_kg_per_m;
             let expected = acceleration - tangent * acceleration.dot(&tangent);
             assert!((gained - expected).norm() < 1e-9, "{gained} {expected}");
             assert!(extra.dot(&tangent).abs() < 1e-12, "{extra} has a part along the lock");

@@ -76,7 +76,7 @@ pub struct FitReport {
     pub n_samples: usize,
     /// Markers times steps without a sample, because no camera saw the marker when it had to be seen.
     pub n_missing: usize,
-    /// How many of these cleaning had filled.
+    /// How many of these cleaning had filled: `paper` leaves them out, `physical` has them in the lock's curve.
     pub n_filled: usize,
     /// Locks that gave no sample at all.
     pub strands_skipped: Vec<String>,
@@ -125,6 +125,16 @@ pub enum FitError {
     /// Nobody knows where the head is.
     #[error("the head has no pose in any frame")]
     NoPose,
+    /// What the locks say of the air, with what is known before, is no definite system: numbers beyond all measure.
+    #[error(
+        "round {round} of {n_rounds}: found no most likely air, expected one; are masses, widths and stiffness of the locks of the session's units?"
+    )]
+    NoSolution {
+        /// Of how many that make everything linear anew, from 1.
+        round: usize,
+        /// How many there are.
+        n_rounds: usize,
+    },
     /// A lock needs two markers to have a shape.
     #[error("no lock has two markers that were seen, at rest too if the session names still frames")]
     NoLock,

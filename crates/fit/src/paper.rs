@@ -1,5 +1,5 @@
 use crate::median::median;
-use crate::resample::{n_steps, position_at};
+use crate::resample::{n_filled, n_steps, position_at};
 use crate::{Fit, FitError, FitReport, outside_direction};
 use std::borrow::Cow;
 use tousle_core::{
@@ -159,14 +159,6 @@ fn seen<'a>(track: &'a Track, origins: Option<&[Sample]>) -> Cow<'a, Track> {
     }
 }
 
-/// How many of the samples that are not there cleaning had filled, by the frame nearest to each step.
-fn n_filled(origins: Option<&[Vec<Vec<Sample>>]>, frame_rate_hz: f64, n_steps: usize, rate_hz: f64) -> usize {
-    let frame = |step: usize| (step as f64 / rate_hz * frame_rate_hz).round() as usize;
-    let is_filled = |o: &[Sample], step| o.get(frame(step)).is_some_and(|s| s.kind == SampleKind::Filled);
-    let of_marker = |o: &Vec<Sample>| (0..n_steps).filter(|step| is_filled(o, *step)).count();
-    origins.into_iter().flatten().flatten().map(of_marker).sum()
-}
-
 /// E3 for one marker at one time.
 fn sample(
     marker: &Marker<'_>,
@@ -290,7 +282,6 @@ mod tests {
             .map(|kind| Sample { kind, error_m: 1e-3 });
         let seen: Vec<bool> = seen(&track, Some(&origins)).iter().map(|p| p.is_some()).collect();
         assert_eq!(seen, [false, true, true]);
-        assert_eq!(n_filled(Some(&[vec![origins.to_vec()]]), 100.0, 2, 50.0), 1);
     }
 
     /// A pendulum that leans by a small angle under a sideways force a hangs at x = l a / g: free fall gives a back.

@@ -18,7 +18,7 @@ mod tracks;
 mod triangle;
 mod wig;
 
-use crate::resample::n_steps;
+use crate::resample::{n_filled, n_steps};
 use crate::{Fit, FitError, FitReport};
 use lock::{Seeing, SeenLock};
 use nalgebra::Matrix3;
@@ -89,7 +89,7 @@ pub(crate) fn fit_physical(
 ) -> Result<Fit, FitError> {
     let seen = Seen::new(head, origins, session, set)?;
     let problem = seen.problem(head, session, set);
-    let solved = solve::solve(&problem, progress);
+    let solved = solve::solve(&problem, progress)?;
     let samples = samples(&problem, &solved.air, origins);
     let outside = solved.air.states.iter().map(AirState::outside).collect();
     let n_samples = samples.steps.iter().map(Vec::len).sum();
@@ -101,7 +101,7 @@ pub(crate) fn fit_physical(
         n_steps,
         n_samples,
         n_missing: n_markers * n_steps - n_samples,
-        n_filled: 0,
+        n_filled: n_filled(origins, head.rate_hz, n_steps, set.rate_hz),
         strands_skipped: (0..session.strands.len())
             .filter(skipped)
             .map(|i| session.strands[i].name.clone())

@@ -50,7 +50,7 @@ impl PotentialFlow {
 fn ellipsoidal_coordinate(half_axes_m: Vec3, point_m: Vec3) -> f64 {
     let squares = half_axes_m.component_mul(&half_axes_m);
     let least = half_axes_m.min();
-    // On a sphere of the shortest half axis this is exact, on the ellipsoid it is too small: Newton rises from it.
+    // On a sphere of the longest half axis this is exact, on the ellipsoid it is too small: Newton rises from it.
     let mut lambda = f64::max(0.0, point_m.norm_squared() - half_axes_m.max() * half_axes_m.max());
     for _ in 0..50 {
         let shifted = squares.map(|a2| a2 + lambda);

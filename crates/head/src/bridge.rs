@@ -72,7 +72,9 @@ fn best_curve(known: &[(usize, Pose)], has_pose: &[bool], gap: &Range<usize>, ra
 /// Gaps of the same length in which the head was seen, near in time.
 fn pretended(has_pose: &[bool], gap: &Range<usize>, rate_hz: f64) -> Vec<Range<usize>> {
     let near = (PRETENDED_WITHIN_SECS * rate_hz) as usize;
-    let starts = gap.start.saturating_sub(near + gap.len()).max(1)..=gap.end + near;
+    // As the gap itself, each has a pose before it.
+    let first = has_pose.iter().position(|has| *has).map_or(has_pose.len(), |first| first + 1);
+    let starts = gap.start.saturating_sub(near + gap.len()).max(first)..=gap.end + near;
     let all: Vec<_> = starts
         .map(|start| start..start + gap.len())
         .filter(|pretended| {

@@ -125,9 +125,9 @@ pub(crate) fn distance2(a: &Pose, b: &Pose) -> f64 {
     (a.translation.vector - b.translation.vector).norm_squared() + angle * angle
 }
 
-/// Mean square difference between a pose and what the others in its window say of it.
+/// Mean square difference between a pose and what the others in its window say of it; infinite if no window holds three others.
 fn foretelling_error(known: &[(usize, Pose)], half: usize) -> f64 {
-    let mut sum = 0.0;
+    let (mut sum, mut n) = (0.0, 0);
     // Some hundred frames tell as much as all.
     let stride = known.len() / 400 + 1;
     for (at, (frame, pose)) in known.iter().enumerate().step_by(stride) {
@@ -139,8 +139,9 @@ fn foretelling_error(known: &[(usize, Pose)], half: usize) -> f64 {
         }
         let foretold = smooth_pose(&others, *frame, half);
         sum += distance2(&foretold, pose);
+        n += 1;
     }
-    sum
+    if n > 0 { sum / f64::from(n) } else { f64::INFINITY }
 }
 
 /// The parabola over the window about a frame; the window grows until it holds three poses (or all there are).
@@ -225,6 +226,16 @@ mod tests {
             let off = tracked.poses.poses[k].translation.vector - pose(k as f64).translation.vector;
             assert!(off.norm() < 1e-12, "{k}: {off}");
         }
+    }
+
+    /// A window that can foretell no pose is never the best.
+    #[test]
+    fn a_window_of_too_few_poses_is_not_chosen() {
+        let sway = |k: usize| Pose::translation(5e-3 * libm::sin(0.3 * k as f64), 0.0, 1.5);
+        let known: Vec<_> = (0..120).step_by(2).map(|k| (k, sway(k))).collect();
+        assert_eq!(foretelling_error(&known, 3), f64::INFINITY);
+        assert!(foretelling_error(&known, 5) < foretelling_error(&known, 9));
+        assert_eq!(best_half(&known, 60.0), 5);
     }
 
     /// Where nothing is seen for long the track runs straight on, and is held at the ends: it does not fly off.

@@ -2,6 +2,9 @@ use crate::{Input, MergeError, MergeOptions, Span, agree};
 use tousle_core::{Quantity, Vec3};
 use tousle_field::{FieldLayer, GridError, GridSpec, MAX_VOXELS, Scene};
 
+/// The most steps of a merged field for each of the input that has most: between steps it is linear, so more say nothing.
+const MAX_RATE: f64 = 4.0;
+
 /// What a merged field will be, and which steps of which input it needs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
@@ -156,6 +159,10 @@ fn steps(times: &[Times], [from, to]: [f64; 2], options: &MergeOptions) -> Resul
     }
     let highest = times.iter().filter(|t| t.n_steps > 1).map(|t| t.rate_hz).fold(0.0, f64::max);
     let rate_hz = options.rate_hz.unwrap_or(highest);
+    if rate_hz > MAX_RATE * highest {
+        let expected = "no more than four times the steps of the input that has most";
+        return Err(MergeError::BadOption { what: "rate", found: rate_hz, expected });
+    }
     Ok((rate_hz, ((to - from) * rate_hz + SAME_STEP).floor() as u64 + 1))
 }
 

@@ -80,12 +80,51 @@ pub(crate) fn in_words(limit: Option<&Limit>, groom: &Groom) -> String {
     format!("{:.3e} s, set by strand {}{point}", limit.dt_secs, groom.strands[limit.strand_idx].name)
 }
 
-/// The longest vector of a field under some layers.
+/// The longest vector of a field under some layers, which are laid one on the other: each makes what is below it longer, if it
+/// does not make it shorter, and adds its own.
 pub(crate) fn strongest_vector(field: &FieldSequence, layers: &[FieldLayer]) -> f64 {
     let step = |step: &tousle_field::Field| {
         (0..step.flags.len()).map(|voxel| step.vector(voxel).norm()).fold(step.outside.norm(), f64::max)
     };
-    let strongest =
-        |layer: &FieldLayer| layer.handles.iter().map(|h| Vec3::norm(&h.extra)).fold(0.0, f64::max);
-    field.steps.iter().map(step).fold(0.0, f64::max) + layers.iter().map(strongest).sum::<f64>()
+    let under = |strongest: f64, layer: &FieldLayer| {
+        let extra = layer.handles.iter().map(|h| Vec3::norm(&h.extra)).fold(0.0, f64::max);
+        strongest * layer.reshape.map_or(1.0, |reshape| f64::max(reshape.scale, 1.0)) + extra
+    };
+    let strongest = field.steps.iter().map(step).fold(0.0, f64::max);
+    layers.iter().filter(|layer| !layer.does_nothing()).fold(strongest, under)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tousle_bench::worlds::gusts;
+    use tousle_field::{Ease, Handle, LayerOrigin, Reshape};
+
+    /// A layer that makes the wind five times as strong, one that adds 2 m/s to that, and one that is muted.
+    #[test]
+    fn layers_make_the_strongest_vector_longer() {
+        let field = gusts();
+        let layer = |reshape, extra| FieldLayer {
+            id: "1".into(),
+            name: "1".into(),
+            muted: false,
+            first_secs: 0.0,
+            last_secs: 1.0,
+            ease: Ease { rise: 0.5, fall: 0.5 },
+            handles: vec![Handle { center_m: Vec3::zeros(), reach_m: 0.1, extra }],
+            reshape,
+            origin: LayerOrigin::Wind { action: "gust".into() },
+        };
+        let scaled = layer(Some(Reshape { turn: Vec3::zeros(), scale: 5.0 }), Vec3::zeros());
+        let calmed = layer(Some(Reshape { turn: Vec3::zeros(), scale: 0.0 }), Vec3::zeros());
+        let added = layer(None, Vec3::new(0.0, 2.0, 0.0));
+        let alone = strongest_vector(&field, &[]);
+        let is = |layers: &[FieldLayer], expected: f64| {
+            assert!((strongest_vector(&field, layers) - expected).abs() < 1e-12);
+        };
+        is(&[scaled.clone(), added.clone()], 5.0 * alone + 2.0);
+        is(&[added.clone(), scaled], 5.0 * (alone + 2.0));
+        is(&[calmed], alone);
+        is(&[FieldLayer { muted: true, ..added }], alone);
+    }
 }

@@ -84,7 +84,7 @@ impl Worse {
             Self::RestUnseen => {
                 let still = session.still_range(head.first_frame, head.n_frames());
                 let onset_frames = (ONSET_SECS * head.rate_hz).round() as usize;
-                let blown_from = still.map_or(0, |(_, last)| last + onset_frames);
+                let blown_from = still.map_or(0, |(_, last)| last + 1 + onset_frames);
                 strands
                     .flat_map(|(_, strand)| &mut strand.markers)
                     .for_each(|track| hide_frames(track, 0..blown_from));

@@ -93,6 +93,9 @@ pub fn summary(report: &ConversionReport) -> String {
     let fit = &report.fit;
     let filled = match fit.n_filled {
         0 => String::new(),
+        n if fit.physical.is_some() => {
+            format!(" ({n} of them filled, which shape the lock but are no samples)")
+        }
         n => format!(" ({n} of them filled, which this method does not use)"),
     };
     line(

@@ -53,7 +53,6 @@ pub(crate) struct FanWind {
 /// Wind from the fans at every step.
 pub(crate) fn fan_wind(problem: &Problem<'_>) -> Vec<FanWind> {
     let Problem { session, head, clock, rest_pose, .. } = problem;
-    let speed: Vec3 = session.fans.iter().map(|f| f.blows_towards_head() * f.speed_mps).sum();
     let start_secs =
         session.wind_start_frame.map_or(f64::NEG_INFINITY, |f| (f - head.first_frame) as f64 / head.rate_hz);
     (0..clock.n_steps)
@@ -61,9 +60,8 @@ pub(crate) fn fan_wind(problem: &Problem<'_>) -> Vec<FanWind> {
             let time_secs = clock.time_secs(k);
             let winds = fan_winds(session, head, rest_pose, clock.pose(k), time_secs);
             let is_on = time_secs >= start_secs && !is_still(problem, k);
-            let together = winds.iter().sum::<Vec3>().try_normalize(1e-9).unwrap_or_default() * speed.norm();
             FanWind {
-                velocity: if is_on { together } else { Vec3::zeros() },
+                velocity: if is_on { winds.iter().sum() } else { Vec3::zeros() },
                 directions: winds.iter().map(|wind| wind.try_normalize(1e-9).unwrap_or_default()).collect(),
             }
         })

@@ -12,6 +12,7 @@ use super::smoother::{Said, most_likely};
 use super::statements::{StepSaid, ask};
 use super::taught::{DefectAt, Defects, Scales, Taught};
 use super::tracks::Clock;
+use crate::FitError;
 use nalgebra::{DVector, Matrix3};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -70,7 +71,10 @@ const ROUNDS_FROM_KNOWN: usize = 2;
 const GUESS_MPS: f64 = 1.5;
 
 /// Finds the air.
-pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
+///
+/// # Errors
+/// [`FitError::NoSolution`] if what the locks say does not add up to a definite system.
+pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Result<Solved, FitError> {
     let Problem { locks, clock, .. } = problem;
     let fan_wind = fan_wind(problem);
     let known = problem.taught.air.as_ref();
@@ -93,9 +97,8 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
         for (said, (precision, fans)) in said.iter_mut().zip(outside.iter().zip(&fan_wind)) {
             said.of_air.add_outside(precision, fans.velocity);
         }
-        if let Some(constants) = step_states(problem, &fan_wind, &mut air, &mut said, sureness) {
-            surroundings.constants = constants;
-        }
+        surroundings.constants = step_states(problem, &fan_wind, &mut air, &mut said, sureness)
+            .ok_or(FitError::NoSolution { round: round + 1, n_rounds: rounds })?;
         if sureness != Sureness::OfAll {
             if sureness == Sureness::OfAir {
                 air.swirl_share = learnt_share(&air);
@@ -111,11 +114,11 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Solved {
     let left: f64 = said.iter().flat_map(|s| &s.of_locks).map(|of_lock| of_lock.square).sum();
     let touches =
         |lock: usize| said.iter().filter(|s| s.of_locks[lock].touches).count() as f64 / said.len() as f64;
-    Solved {
+    Ok(Solved {
         air,
         touches: (0..locks.len()).map(touches).collect(),
         left_over: left / (n_rows * clock.n_steps) as f64,
-    }
+    })
 }
 
 /// What the balance leaves over of locks that move in a known air, by lock.
