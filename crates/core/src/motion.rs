@@ -89,8 +89,42 @@ impl PoseTrack {
         self.poses.iter().all(|p| *p == self.poses[0])
     }
 
+    /// Whether the shot was cut at a time after `from_secs` and no later than `to_secs`: the head then is, from one pose to the
+    /// next, where nothing that moves could have taken it.
+    ///
+    /// That is where the velocity from one pose to the next differs, by more than 20 m/s or 50 rad/s, from both that before and that
+    /// after. So neither a head that goes fast (in a car), nor one that is stopped or set going, is cut. A cut takes place at the
+    /// pose after it.
+    pub fn is_cut_within(&self, from_secs: f64, to_secs: f64) -> bool {
+        let place = |secs: f64| ((secs - self.start_secs) * self.rate_hz).floor();
+        // Poses after the first whose time is within.
+        let first = f64::max(place(from_secs) + 1.0, 1.0);
+        let last = f64::min(place(to_secs), self.poses.len() as f64 - 1.0);
+        last >= first && (first as usize..=last as usize).any(|pose| self.is_cut_before(pose))
+    }
+
+    /// Whether there is a cut between a pose and the one before.
+    fn is_cut_before(&self, pose: usize) -> bool {
+        let way = |pose: usize| {
+            let (before, now) = (self.poses.get(pose.checked_sub(1)?)?, self.poses.get(pose)?);
+            Some((
+                now.translation.vector - before.translation.vector,
+                before.rotation.inverse() * now.rotation,
+            ))
+        };
+        let Some((moved, turned)) = way(pose) else { return false };
+        let is_like = |(other_moved, other_turned): (Vec3, UnitQuaternion<f64>)| {
+            (moved - other_moved).norm() * self.rate_hz <= CUT_MPS
+                && turned.angle_to(&other_turned) * self.rate_hz <= CUT_RAD_PER_SEC
+        };
+        let neighbors = [pose.checked_sub(1).and_then(way), way(pose + 1)];
+        // Of two poses alone nobody can tell.
+        neighbors.iter().any(Option::is_some) && !neighbors.into_iter().flatten().any(is_like)
+    }
+
     /// Pose, velocity and acceleration at a time; before the first pose and after the last the head is still.
     ///
+    /// Up to a cut ([`Self::is_cut_within`]) the head goes on as it went, and after it as it will.
     /// Between poses the position follows the uniform cubic B-spline whose control points are the poses, and
     /// the rotation the same spline of the rotation vector about the nearest pose. That spline has a continuous
     /// acceleration and damps what is left of the cameras' noise; it rounds a pose off by a sixth of the second
@@ -107,7 +141,7 @@ impl PoseTrack {
         }
         let left = (place.floor() as usize).min(last - 1);
         let s = place - left as f64;
-        let control = [left.saturating_sub(1), left, left + 1, (left + 2).min(last)].map(|k| &self.poses[k]);
+        let control = self.control_points(left);
         let base = control[1].rotation;
         let positions = control.map(|p| p.translation.vector);
         let turns = control.map(|p| (base.inverse() * p.rotation).scaled_axis());
@@ -128,6 +162,37 @@ impl PoseTrack {
         }
     }
 }
+
+impl PoseTrack {
+    /// The poses before and after a time between pose `left` and the next, and one more on each side, all of one side of a cut.
+    fn control_points(&self, left: usize) -> [Pose; 4] {
+        let last = self.poses.len() - 1;
+        let ends = [left.saturating_sub(1), left, left + 1, (left + 2).min(last)];
+        let [before, from, to, after] = ends.map(|k| self.poses[k]);
+        let [is_cut_before, is_cut_here, is_cut_after] =
+            [left, left + 1, left + 2].map(|k| self.is_cut_before(k));
+        // As far again as from one pose to another.
+        let beyond = |a: &Pose, b: &Pose| {
+            let place = b.translation.vector * 2.0 - a.translation.vector;
+            Pose::from_parts(place.into(), b.rotation * (a.rotation.inverse() * b.rotation))
+        };
+        if is_cut_here {
+            let before = if is_cut_before { from } else { before };
+            let to = beyond(&before, &from);
+            return [before, from, to, beyond(&from, &to)];
+        }
+        [
+            if is_cut_before { beyond(&to, &from) } else { before },
+            from,
+            to,
+            if is_cut_after { beyond(&from, &to) } else { after },
+        ]
+    }
+}
+
+/// A change of velocity from one pose to the next, and back, that no head survives: m/s, rad/s.
+const CUT_MPS: f64 = 20.0;
+const CUT_RAD_PER_SEC: f64 = 50.0;
 
 impl HeadMotion {
     /// A head at rest in this pose.
@@ -203,6 +268,43 @@ mod tests {
         assert!((expected.rotation * motion.acceleration - world_acceleration).norm() < 1e-3);
         assert!((motion.angular_velocity - axis * omega).norm() < 1e-6);
         assert!(motion.angular_acceleration.norm() < 1e-6);
+    }
+
+    /// A head that goes evenly and turns, is somewhere else from one pose to the next, and goes on: it never goes faster.
+    #[test]
+    fn a_cut_is_no_motion() {
+        let pose = |k: usize| {
+            let (jump, turn) = if k < 12 { (0.0, 0.0) } else { (1.0, 2.5) };
+            let rotation = UnitQuaternion::from_scaled_axis(Vec3::z() * (0.02 * k as f64 + turn));
+            Pose::from_parts(Vec3::new(0.01 * k as f64 + jump, 0.0, 1.5).into(), rotation)
+        };
+        let track = PoseTrack { start_secs: 0.0, rate_hz: 24.0, poses: (0..24).map(pose).collect() };
+        for k in 30..200 {
+            let secs = f64::from(k) * 0.1 / 24.0;
+            let motion = track.motion_at(secs);
+            assert!((motion.velocity.norm() - 0.24).abs() < 1e-9, "{secs}: {}", motion.velocity);
+            assert!((motion.angular_velocity - Vec3::z() * 0.48).norm() < 1e-9, "{secs}");
+            let jump = if k < 120 { 0.0 } else { 1.0 };
+            assert!((motion.world_from_head.translation.x - 0.24 * secs - jump).abs() < 1e-9, "{secs}");
+        }
+        let cut_secs = 12.0 / 24.0;
+        assert!(track.is_cut_within(cut_secs - 1e-3, cut_secs) && track.is_cut_within(0.0, 1.0));
+        assert!(!track.is_cut_within(cut_secs, 1.0) && !track.is_cut_within(0.0, cut_secs - 1e-3));
+        assert!(!track.is_cut_within(-1.0, 0.0) && !track.is_cut_within(2.0, 3.0));
+    }
+
+    /// Nor is a stop from 30 m/s, or such a speed, a cut; random places are, all of them.
+    #[test]
+    fn speed_is_no_cut() {
+        let at = |x: f64| Pose::translation(x, 0.0, 0.0);
+        let track = |poses: Vec<Pose>| PoseTrack { start_secs: 0.0, rate_hz: 60.0, poses };
+        let driven = track((0..40).map(|k| at(0.5 * f64::from(k.min(20)))).collect());
+        assert!(!driven.is_cut_within(-1.0, 9.0));
+        let random = track([0.0, 3.0, 1.0, 4.0, 0.0, 5.0, 2.0, 6.0, 1.0].map(at).to_vec());
+        assert!((1..9).all(|pose| random.is_cut_before(pose)));
+        let held = random.motion_at(0.06);
+        assert!((held.world_from_head.translation.x - 4.0).abs() < 1e-12 && held.velocity.norm() < 1e-12);
+        assert!(!track(vec![at(0.0), at(9.0)]).is_cut_within(-1.0, 9.0), "of two poses nobody can tell");
     }
 
     #[test]

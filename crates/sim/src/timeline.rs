@@ -67,6 +67,11 @@ const MAX_FRAMES: f64 = 1e7;
 const MAX_STEPS_PER_FRAME: f64 = 1e6;
 const MAX_POSITIONS: f64 = 1e9;
 
+/// A head that ends no farther, m and rad, from where it began goes on when it is played again: what it then moves by in a step is
+/// not felt.
+const SEAM_M: f64 = 1e-3;
+const SEAM_RAD: f64 = 1e-2;
+
 /// How often hair is run through a field.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Runs {
@@ -234,8 +239,10 @@ impl<'a> Timeline<'a> {
             gravity: head.world_from_head.rotation.inverse() * self.scene.gravity_world,
             head: moves.then_some(head),
             surfaces: Surface::of_body(&self.scene.body, &torso),
-            torso_before_from_after: (moves && self.torso_grip == TorsoGrip::Torso)
-                .then(|| self.torso_at(begin) * torso.inverse()),
+            torso_before_from_after: (moves
+                && self.torso_grip == TorsoGrip::Torso
+                && !self.is_cut_within(begin, begin + dt_secs))
+            .then(|| self.torso_at(begin) * torso.inverse()),
         }
     }
 
@@ -253,6 +260,23 @@ impl<'a> Timeline<'a> {
         // The shot's own motion has its own end; the capture's is played again with the capture's wind.
         let wraps = self.time == TimeMode::Loop && !self.head.is_shot;
         self.head.poses.motion_at(if wraps { self.wrapped(secs) } else { secs })
+    }
+
+    /// Whether the head is, after `from_secs` and no later than `to_secs`, somewhere else at once: at a cut of its own track, and
+    /// where the capture's is played again and did not end where it began.
+    pub fn is_cut_within(&self, from_secs: f64, to_secs: f64) -> bool {
+        let poses = self.head.poses;
+        if self.time != TimeMode::Loop || self.head.is_shot {
+            return poses.is_cut_within(from_secs, to_secs);
+        }
+        let (start, end) = (self.field.start_secs, self.field.end_secs());
+        let turns = |secs: f64| ((secs - start) / (end - start)).floor();
+        if end > start && turns(from_secs) < turns(to_secs) {
+            let [first, last] = [start, end].map(|secs| poses.motion_at(secs).world_from_head);
+            return (first.translation.vector - last.translation.vector).norm() > SEAM_M
+                || first.rotation.angle_to(&last.rotation) > SEAM_RAD;
+        }
+        poses.is_cut_within(self.wrapped(from_secs), self.wrapped(to_secs))
     }
 
     /// How a surface moves over the ground at a time: the velocity of its point at the head's center, and what turns

@@ -168,7 +168,7 @@ fn stiff_hair_needs_no_smaller_step() {
         };
         let (coarse, fine) = (end(1.0 / 120.0), end(1.0 / 3840.0));
         let off = coarse.iter().zip(&fine).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-        assert!(off < 3e-3, "EI times {times}: {off} m");
+        assert!(off < 4e-3, "EI times {times}: {off} m");
     }
 }
 
@@ -188,6 +188,46 @@ fn at_rest_for_ever() {
         assert!(drift < 1e-4, "{precision:?}: {drift} m");
         assert!(simulation.report.max_stretch < 1e-3, "{}", simulation.report.max_stretch);
         assert_eq!(simulation.report.slept_share, 0.0);
+    }
+}
+
+/// A lock of half a meter that hangs still in even curls; the air barely moves, so that it may not sleep.
+#[test]
+fn curls_that_hang_still_do_not_begin_to_swing() {
+    let curl = |radius_m: f64, turns: f64, stiffness_n_m2: f64| {
+        let point = |k: usize| {
+            let share = k as f64 / 27.0;
+            let (sin, cos) = libm::sincos(core::f64::consts::TAU * turns * share);
+            Vec3::new(0.02 + radius_m * (cos - 1.0), 0.12 + 0.2 * radius_m * sin, 0.03 - 0.53 * share)
+        };
+        let rest_curve_m: Vec<Vec3> = (0..28).map(point).collect();
+        let length_m = rest_curve_m.windows(2).map(|p| (p[1] - p[0]).norm()).sum();
+        Strand {
+            rest_curve_m,
+            length_m,
+            linear_density_kg_per_m: 3.77e-3,
+            lock_width_m: 8.3e-3,
+            bending_stiffness_n_m2: stiffness_n_m2,
+            internal_damping_secs: 0.013,
+            ..straight(Vec3::zeros(), -Vec3::z(), 0.5, 1)
+        }
+    };
+    let breath = uniform(Quantity::AirVelocity, 30.0, &[Vec3::new(1e-6, 0.0, 0.0)]);
+    for (radius_m, turns, stiffness_n_m2) in
+        [(4e-3, 5.0, 2.5e-6), (4e-3, 3.0, 1e-6), (8e-3, 5.0, 1e-6), (6e-3, 4.0, 5e-7), (4e-3, 6.0, 5e-7)]
+    {
+        for (integrator, rate_hz, dt_secs) in [
+            (Integrator::Implicit, 60.0, 1.0 / 60.0),
+            (Integrator::Implicit, 24.0, 1.0 / 48.0),
+            (Integrator::Adaptive, 60.0, 1.0 / 30.0),
+        ] {
+            let mut options = physical(integrator, dt_secs, 15.0);
+            (options.rate_hz, options.time) = (rate_hz, TimeMode::Hold);
+            let locks = vec![curl(radius_m, turns, stiffness_n_m2)];
+            let motion = run(&breath, &vacuum(DOWN), locks, &options).unwrap().motion;
+            let drift = farthest(&motion);
+            assert!(drift < 1e-4, "{radius_m} {turns} {stiffness_n_m2} {integrator:?} {rate_hz}: {drift} m");
+        }
     }
 }
 
@@ -240,9 +280,8 @@ fn a_strand_does_not_know_its_neighbors() {
 }
 
 /// A head's poses from a second before the start on.
-fn head(pose: impl Fn(f64) -> Pose) -> PoseTrack {
-    let rate_hz = 240.0;
-    let poses = (-240..=600).map(|k| pose(f64::from(k) / rate_hz)).collect();
+fn head(rate_hz: f64, pose: impl Fn(f64) -> Pose) -> PoseTrack {
+    let poses = (0..=(3.5 * rate_hz) as usize).map(|k| pose(k as f64 / rate_hz - 1.0)).collect();
     PoseTrack { start_secs: -1.0, rate_hz, poses }
 }
 
@@ -265,7 +304,7 @@ const STEPS: [(Integrator, f64); 2] =
 #[test]
 fn a_turning_head_leaves_a_limp_strand_behind() {
     let angle = |t: f64| 0.75 * (1.0 - libm::cos(core::f64::consts::PI * t.clamp(0.0, 1.0)));
-    let scene = Scene { poses: head(|t| turned_about_z(angle(t))), ..vacuum(Vec3::zeros()) };
+    let scene = Scene { poses: head(240.0, |t| turned_about_z(angle(t))), ..vacuum(Vec3::zeros()) };
     for (integrator, dt_secs) in STEPS {
         let limp = Strand {
             bending_stiffness_n_m2: 0.0,
@@ -282,7 +321,7 @@ fn a_turning_head_leaves_a_limp_strand_behind() {
 #[test]
 fn a_heads_acceleration_is_gravity_tilted() {
     let acceleration = Vec3::new(2.0, -1.0, 0.5);
-    let poses = head(|t| {
+    let poses = head(240.0, |t| {
         let way = acceleration * (0.5 * t.max(0.0) * t.max(0.0));
         Pose::translation(way.x, way.y, way.z)
     });
@@ -307,21 +346,46 @@ fn hair_goes_along_at_a_cut() {
         let since = if t < 0.5 { t } else { (t - 0.6).max(0.0) };
         0.3 * (1.0 - libm::cos(core::f64::consts::TAU * since.min(0.4) / 0.4))
     };
-    let cut = |secs: f64| {
+    let cut = |secs: f64, poses_hz: f64| {
         let elsewhere = Pose::translation(100.0, -60.0, 0.0) * turned_about_z(2.0);
-        head(|t| if t < secs { Pose::identity() } else { elsewhere } * turned_about_z(angle(t)))
+        head(poses_hz, |t| if t < secs { Pose::identity() } else { elsewhere } * turned_about_z(angle(t)))
     };
     let locks =
         || vec![over_the_head(), straight(Vec3::new(-0.1, 0.0, 0.0), Vec3::new(-1.0, 0.0, -0.5), 0.25, 9)];
-    for (integrator, dt_secs) in [(Integrator::Implicit, 1.0 / 60.0), (Integrator::Implicit, 1.0 / 240.0)] {
+    for (integrator, dt_secs, poses_hz) in [
+        (Integrator::Implicit, 1.0 / 60.0, 240.0),
+        (Integrator::Implicit, 1.0 / 240.0, 240.0),
+        (Integrator::Implicit, 1.0 / 240.0, 24.0),
+    ] {
         let moved = |secs: f64| {
-            let scene = Scene { poses: cut(secs), body: vacuum(DOWN).body, ..mannequin() };
+            let scene = Scene { poses: cut(secs, poses_hz), body: vacuum(DOWN).body, ..mannequin() };
             run(&common::gusts(), &scene, locks(), &physical(integrator, dt_secs, 1.0)).unwrap().motion
         };
         let (whole, cut) = (moved(9.0), moved(0.5));
         assert!(farthest(&whole) > 0.02);
         let apart = apart(&whole, &cut);
-        assert!(apart < 1e-5, "{dt_secs}: {apart}");
+        assert!(apart < 1e-5, "{dt_secs}, {poses_hz}: {apart}");
+    }
+}
+
+/// A head that turns evenly is turned back at once where the capture is played again: the hair goes along, at every step.
+#[test]
+fn hair_goes_along_where_a_capture_begins_anew() {
+    let scene =
+        Scene { poses: head(240.0, |t| turned_about_z(0.35 * t)), body: vacuum(DOWN).body, ..mannequin() };
+    let hanging = |x: f64, y: f64| straight(Vec3::new(x, y, 0.0), -Vec3::z(), 0.25, 9);
+    let locks = || vec![hanging(-0.1, 0.0), hanging(0.05, 0.08)];
+    // A second of it.
+    let field = uniform(Quantity::AirVelocity, 1.0, &[Vec3::zeros(); 2]);
+    for dt_secs in [1.0 / 60.0, 1.0 / 120.0, 1.0 / 480.0] {
+        let mut options = physical(Integrator::Implicit, dt_secs, 2.5);
+        options.time = TimeMode::Loop;
+        let motion = run(&field, &scene, locks(), &options).unwrap().motion;
+        let fastest = (1..motion.times_secs.len())
+            .flat_map(|frame| motion.frame(frame).iter().zip(motion.frame(frame - 1)))
+            .map(|(now, before)| (Vec3::from(now.map(f64::from)) - Vec3::from(before.map(f64::from))).norm())
+            .fold(0.0, f64::max);
+        assert!(fastest < 2e-3, "{dt_secs}: {fastest} m a frame");
     }
 }
 

@@ -68,8 +68,8 @@ fn fastest_possible(world: &World) -> f64 {
     2.0 * (wind + weight + head_speed(&world.scene.poses))
 }
 
-/// How fast the head moves what is half a meter from its middle, m/s. Beyond 50 m/s it is a cut, and hair goes along; a
-/// jump, which the pose spline rounds, counts for that.
+/// How fast the head moves what is half a meter from its middle, m/s, but no faster than a cut can be missed for: hair goes along at
+/// most jumps.
 fn head_speed(track: &PoseTrack) -> f64 {
     let way = |p: &[Pose]| {
         let shift = (p[1].translation.vector - p[0].translation.vector).norm();

@@ -157,7 +157,6 @@ fn state_at_rest<'a, L: Lane>(
     State {
         turn,
         turn_before: turn,
-        turn_long_before: turn,
         place,
         place_before: place,
         velocity: Vector::zero(),

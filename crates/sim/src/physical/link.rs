@@ -26,10 +26,9 @@ pub(crate) struct Link<L> {
 /// Where a stick and its far point are, and where they were.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State<L> {
-    /// Stick axes (x along it) to head axes, now, a step and two steps ago. What was is in the head's axes as they were then.
+    /// Stick axes (x along it) to head axes, now and a step ago. What was is in the head's axes as they were then.
     pub turn: Turn<L>,
     pub turn_before: Turn<L>,
-    pub turn_long_before: Turn<L>,
     /// The far point, head space, m, now and a step ago.
     pub place: Vector<L>,
     pub place_before: Vector<L>,
@@ -46,7 +45,6 @@ impl<L: Lane> State<L> {
     /// read, so that the end need not read it again.
     #[inline(always)]
     pub fn age(&mut self) {
-        self.turn_long_before = self.turn_before;
         self.turn_before = self.turn;
         self.place_before = self.place;
         self.velocity_before = self.velocity;

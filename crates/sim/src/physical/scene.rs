@@ -27,10 +27,6 @@ pub(crate) struct Carry {
     pub from_before: Pose,
 }
 
-/// A head that goes faster than this, m/s, or turns faster, rad/s, has not moved: the shot was cut there.
-const CUT_SPEED: f64 = 50.0;
-const CUT_TURN: f64 = 100.0;
-
 impl<'a> Now<'a> {
     /// The world at a time.
     pub fn new(timeline: &Timeline<'_>, sampler: &'a Sampler<'a>, secs: f64, reading: Reading) -> Self {
@@ -78,24 +74,15 @@ pub(crate) fn at_end_of_step<'a>(
 ) -> (Now<'a>, Option<Carry>) {
     let mut now = Now::new(timeline, sampler, end_secs, reading);
     let Some(head) = now.head else { return (now, None) };
-    let [before, begin] =
-        [before_secs, begin_secs].map(|secs| (secs, timeline.head_at(secs).world_from_head));
-    let end = (end_secs, head.world_from_head);
-    let stood_before = if is_cut(before, begin) { begin.1 } else { before.1 };
-    let end = if is_cut(begin, end) {
+    let [before, begin] = [before_secs, begin_secs].map(|secs| timeline.head_at(secs).world_from_head);
+    let stood_before = if timeline.is_cut_within(before_secs, begin_secs) { begin } else { before };
+    let end = if timeline.is_cut_within(begin_secs, end_secs) {
         now.stand_still();
         begin
     } else {
-        end
+        head.world_from_head
     };
-    let head_from_world = end.1.inverse();
-    let carry = Carry { from: head_from_world * begin.1, from_before: head_from_world * stood_before };
+    let head_from_world = end.inverse();
+    let carry = Carry { from: head_from_world * begin, from_before: head_from_world * stood_before };
     (now, Some(carry))
-}
-
-/// Whether the head went, from one time and place to others, where nothing that moves could follow.
-fn is_cut((from_secs, from): (f64, Pose), (to_secs, to): (f64, Pose)) -> bool {
-    let dt_secs = to_secs - from_secs;
-    let way = (to.translation.vector - from.translation.vector).norm();
-    way > CUT_SPEED * dt_secs || from.rotation.angle_to(&to.rotation) > CUT_TURN * dt_secs
 }
