@@ -13,7 +13,7 @@ pub use simulate::{BodyArgs, ShapeArg, SimulateArgs};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
-use values::{parse_above_zero, parse_axis, parse_edit_method, parse_unit};
+use values::{parse_above_zero, parse_axis, parse_edit_method, parse_finite, parse_unit};
 
 /// Hair in the wind, measured once, worn by any hairstyle.
 #[derive(Debug, Parser)]
@@ -186,7 +186,7 @@ pub struct MergeArgs {
     #[arg(short, long, value_name = "FIELD.eff.mcap")]
     pub output: PathBuf,
     /// What is added to each field's times to have them on one clock, s, a number a field [default: nothing].
-    #[arg(long, value_name = "S,S,…", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(long, value_parser = parse_finite, value_name = "S,S,…", value_delimiter = ',', allow_hyphen_values = true)]
     pub offset_secs: Vec<f64>,
     /// From when to when the merged field goes.
     #[arg(long, value_enum, default_value_t = SpanArg::All)]

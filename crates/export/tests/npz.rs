@@ -218,8 +218,8 @@ fn what_is_wrong_is_named_with_its_place() {
         ("u", u("<U1", "(2, 3, 1, 2, 1)", &[0; 48]), "array `u`: found type <U1, expected numbers"),
         ("t", times(&[0.0, 0.1, 0.2]), "array `u`: found shape [2, 3, 1, 2, 1]"),
         ("t", times(&[]), "array `t`: found shape [0], expected (T,) with at least one step"),
-        ("t", times(&[0.1, 0.1]), "array `t` at [0]: found 0.1 s"),
-        ("t", times(&[0.2, 0.1]), "array `t` at [0]: found 0.2 s"),
+        ("t", times(&[0.1, 0.1]), "array `t` at [1]: found 0.1 s, expected more than the 0.1 s"),
+        ("t", times(&[0.2, 0.1]), "array `t` at [1]: found 0.1 s, expected more than the 0.2 s"),
         ("t", times(&[0.0, f64::INFINITY]), "array `t` at [1]: found inf, expected a finite number"),
         ("edge", Some(npy("<f8", false, "()", &f8(&[0.0]))), "found voxel edge = 0 mm"),
         (
@@ -282,6 +282,9 @@ fn an_uneven_step_is_found_and_rounded_times_are_not() {
     let uneven = [0.0, 0.1, 0.25, 0.3];
     let error = read_field_npz(&field_at(&uneven, "<f8", f8(&uneven))).unwrap_err();
     assert!(matches!(error, NpzError::UnevenTime { index: 2, .. }), "{error}");
+    let falling = [0.3, 0.2, 0.1, 0.0];
+    let error = read_field_npz(&field_at(&falling, "<f8", f8(&falling))).unwrap_err();
+    assert!(matches!(error, NpzError::FallingTime { index: 1, found: 0.2, before: 0.3 }), "{error}");
 }
 
 /// Whatever is cut off or turned over: refused, or right. A zip holds much that carries no meaning here (times,

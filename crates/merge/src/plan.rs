@@ -86,6 +86,10 @@ impl Plan {
         }
         let times: Vec<Times> = inputs.iter().map(times).collect();
         for (input, times) in inputs.iter().zip(&times) {
+            if !input.offset_secs.is_finite() {
+                let (found, expected) = (input.offset_secs, "a finite number of seconds");
+                return Err(MergeError::BadOption { what: "offset", found, expected });
+            }
             if times.start_secs < 0.0 {
                 let name = input.name.to_owned();
                 return Err(MergeError::BeforeZero { name, start_secs: times.start_secs });

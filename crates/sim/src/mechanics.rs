@@ -18,6 +18,8 @@ pub(crate) struct Setting<'a> {
     pub field: &'a FieldSequence,
     pub scene: &'a Scene,
     pub groom: &'a Groom,
+    /// The hairstyle that it is a part of, or all of: what strands tell of one another is asked of all.
+    pub whole: &'a Groom,
     pub options: &'a SimOptions,
 }
 

@@ -21,5 +21,6 @@ mod newton;
 mod scene;
 mod stability;
 
+pub(crate) use adaptive::Precise;
 pub(crate) use drag::STILL2;
 pub(crate) use mechanics::Physical;

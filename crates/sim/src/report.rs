@@ -20,7 +20,7 @@ pub struct SimReport {
     pub order: u32,
     /// The integrator's stability limit for this groom, in words.
     pub limit: String,
-    /// The step that was taken, s.
+    /// The step that was taken, or by [`Integrator::Adaptive`] the longest that may be, s.
     pub dt_secs: f64,
     /// Steps that were taken; with method `physical` of each strand, added up.
     pub n_steps: u64,

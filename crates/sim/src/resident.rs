@@ -55,11 +55,27 @@ impl<'a> Simulator<'a> {
         groom: &'a Groom,
         options: &'a SimOptions,
     ) -> Result<Self, SimError> {
+        Self::of_part(field, scene, groom, groom, options)
+    }
+
+    /// Prepares a simulation of some strands of a hairstyle, which move as they would if all of it were simulated: how natural
+    /// shapes fall and what touches at rest is told from the `whole`.
+    ///
+    /// # Errors
+    /// As [`Simulator::new`].
+    pub fn of_part(
+        field: &'a FieldSequence,
+        scene: &'a Scene,
+        groom: &'a Groom,
+        whole: &'a Groom,
+        options: &'a SimOptions,
+    ) -> Result<Self, SimError> {
         field.check()?;
         groom.check()?;
+        whole.check()?;
         check::check_scene(scene, options)?;
         check::check_options(options)?;
-        let setting = Setting { field, scene, groom, options };
+        let setting = Setting { field, scene, groom, whole, options };
         let ready = match options.method {
             Method::Paper => Ready::<Paper>::resident(setting)?,
             Method::Physical => Ready::<Physical>::resident(setting)?,

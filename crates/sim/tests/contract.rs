@@ -7,8 +7,8 @@ use common::{
     track, uniform,
 };
 use std::sync::Mutex;
-use tousle_core::{Pose, PoseTrack, Progress, Quantity, Strand, Vec3};
-use tousle_sim::{Integrator, Method, SimError, SimOptions, TimeMode, simulate};
+use tousle_core::{NoProgress, Pose, PoseTrack, Progress, Quantity, Strand, Vec3};
+use tousle_sim::{Integrator, Method, SimError, SimOptions, Simulator, TimeMode, simulate};
 
 #[test]
 fn the_first_frame_is_the_rest_curve_and_the_last_is_the_fields_end() {
@@ -21,6 +21,27 @@ fn the_first_frame_is_the_rest_curve_and_the_last_is_the_fields_end() {
     assert_eq!(motion.frame(0), rest);
     // Roots stay.
     assert_eq!(motion.strand(60, 7)[0], motion.strand(0, 7)[0]);
+}
+
+/// Some strands simulated by themselves move as beside all others, from which their style is told.
+#[test]
+fn a_part_moves_as_in_the_whole() {
+    let (field, scene, whole) = (gusts(), mannequin(), tousle_bench::worlds::wig(40, 12));
+    let chosen = [3, 17, 31];
+    let part = tousle_core::Groom {
+        strands: chosen.iter().map(|k| whole.strands[*k].clone()).collect(),
+        assumed: Vec::new(),
+    };
+    let options = SimOptions { duration_secs: Some(0.5), ..SimOptions::of(Method::Physical) };
+    let of = |simulator: Simulator<'_>| simulator.simulate(&[], &NoProgress).unwrap().motion;
+    let all = of(Simulator::new(&field, &scene, &whole, &options).unwrap());
+    let some = of(Simulator::of_part(&field, &scene, &part, &whole, &options).unwrap());
+    let alone = of(Simulator::new(&field, &scene, &part, &options).unwrap());
+    let frame = all.times_secs.len() - 1;
+    for (idx, k) in chosen.into_iter().enumerate() {
+        assert_eq!(some.strand(frame, idx), all.strand(frame, k));
+        assert_ne!(alone.strand(frame, idx), all.strand(frame, k), "three strands tell of another style");
+    }
 }
 
 #[test]

@@ -6,6 +6,11 @@ pub fn parse_edit_method(name: &str) -> Result<tousle_direct::EditMethod, String
     tousle_direct::EditMethod::from_name(name).ok_or_else(|| "expected physical or paper".to_owned())
 }
 
+pub fn parse_finite(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+    number.ok_or_else(|| "expected a finite number".to_owned())
+}
+
 pub fn parse_above_zero(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
     number.ok_or_else(|| "expected a number above 0".to_owned())

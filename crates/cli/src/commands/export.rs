@@ -38,5 +38,12 @@ fn write_vdbs(
         files.push(path);
         progress.at(step as u64 + 1, n_steps as u64);
     }
+    let next = args.output.with_extension(format!("{n_steps:04}.vdb"));
+    if next.exists() {
+        eprintln!(
+            "warning: {}: is there from a longer sequence; who reads the sequence takes it, and any after it, for steps of this one",
+            next.display()
+        );
+    }
     Ok(files)
 }

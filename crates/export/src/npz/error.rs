@@ -90,6 +90,16 @@ pub enum NpzError {
         /// What it should be.
         expected: String,
     },
+    /// Time stands still or runs backwards.
+    #[error("array `t` at [{index}]: found {found} s, expected more than the {before} s of the step before")]
+    FallingTime {
+        /// The step.
+        index: usize,
+        /// Its time, s.
+        found: f64,
+        /// That of the step before, s.
+        before: f64,
+    },
     /// Time steps are not evenly spaced.
     #[error(
         "array `t` at [{index}]: found {found} s, expected {expected} s as of even steps (to 2 % of one)"

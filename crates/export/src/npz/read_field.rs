@@ -90,6 +90,9 @@ fn read_times(npz: &mut NpzReader<'_>, assumed: &mut Vec<Assumption>) -> Result<
         assume(assumed, "rate_hz", "1 Hz", "a single step has no rate and stands for all times");
         return Ok((first, 1.0, 1));
     }
+    if let Some(index) = (1..n_steps).find(|k| times[*k] <= times[k - 1]) {
+        return Err(NpzError::FallingTime { index, found: times[index], before: times[index - 1] });
+    }
     let step = (times[n_steps - 1] - first) / (n_steps - 1) as f64;
     for (index, found) in times.iter().copied().enumerate() {
         let expected = first + step * index as f64;

@@ -39,6 +39,11 @@ impl Precise {
         let longest_secs = options.dt_secs.map_or(LONGEST_SECS, |dt_secs| dt_secs.min(LONGEST_SECS));
         Self { tolerance_m: options.tolerance_m, longest_secs }
     }
+
+    /// The longest step that may be taken, s.
+    pub fn longest_secs(&self) -> f64 {
+        self.longest_secs
+    }
 }
 
 impl Pace {

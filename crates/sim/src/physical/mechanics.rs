@@ -17,7 +17,7 @@ use crate::timeline::Timeline;
 use crate::touchable::touchable;
 use crate::{Integrator, Precision, SimOptions};
 use rayon::prelude::*;
-use tousle_core::{Assumption, Attachment, Pose, Quantity, Strand, Vec3};
+use tousle_core::{Assumption, Attachment, Groom, Pose, Quantity, Strand, Vec3};
 use tousle_field::{Reading, Sampler, Scene};
 use tousle_rod::{DragLaw, Lock, Natural, Style, Support, Surface, hold_rest, rest_state};
 
@@ -87,10 +87,15 @@ impl Mechanics for Physical {
     }
 
     fn prepare(setting: &Setting<'_>, timeline: &Timeline<'_>) -> Vec<Prepared> {
-        let Setting { scene, groom, options, .. } = setting;
+        let Setting { scene, groom, whole, options, .. } = setting;
         let (gravity, law) = (timeline.gravity_at_rest(), setting.law());
-        let locks: Vec<Lock> = groom.strands.par_iter().map(Lock::new).collect();
-        let style = Style::of(&locks, |i| !groom.strands[i].holds_style, gravity, &scene.body);
+        let locks_of = |groom: &Groom| -> Vec<Lock> { groom.strands.par_iter().map(Lock::new).collect() };
+        let style_of = |locks: &[Lock], whole: &Groom| {
+            Style::of(locks, |i| !whole.strands[i].holds_style, gravity, &scene.body)
+        };
+        let locks = locks_of(groom);
+        let is_part = !core::ptr::eq(*groom, *whole);
+        let style = if is_part { style_of(&locks_of(whole), whole) } else { style_of(&locks, groom) };
         let surfaces = Surface::of_body(&scene.body, &Pose::identity());
         let prepare = |(mut lock, strand): (Lock, &Strand)| {
             let rest = rest_state(&lock, gravity, &scene.body, &style.likely(&lock, &scene.body));

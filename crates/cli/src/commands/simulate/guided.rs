@@ -75,15 +75,21 @@ pub fn simulate(
     resumable: Option<&Resumable>,
     watch: &dyn Watch,
 ) -> anyhow::Result<Simulated> {
-    let run = |stage: &'static str, groom: &Groom| {
+    let run = |stage: &'static str, part: &Groom| {
         let stage_keeper = resumable.map(|run| run.stage(stage));
         let keeper = stage_keeper.as_ref().map(|stage| stage as &dyn Keeper);
-        let simulator = Simulator::new(&eff.field, &eff.scene, groom, options)?;
+        let simulator = Simulator::of_part(&eff.field, &eff.scene, part, groom, options)?;
         warn_of_many_steps(&simulator, &eff.field.layers, options)?;
         simulator.simulate_once(&eff.field.layers, keeper, &*watch.stage(stage))
     };
     let n_guides = args.guides.map(|n| n as usize).filter(|n| *n < groom.strands.len());
     let Some(n_guides) = n_guides else {
+        if let Some(asked) = args.guides {
+            let n_strands = groom.strands.len();
+            eprintln!(
+                "warning: --guides {asked}: found {n_strands} strands, so all are simulated and none follows"
+            );
+        }
         let Simulation { motion, report } = run("simulate", groom)?;
         return Ok(Simulated { motion, report, guides: None });
     };
