@@ -78,9 +78,16 @@ fn warnings(capture: &Capture, session: &Session) -> Vec<String> {
     if let Some((first, last)) =
         session.still_frames.filter(|(first, last)| !inside(*first) || !inside(*last))
     {
+        let all =
+            if session.still_range(capture.first_frame, capture.n_frames).is_some() { " all" } else { "" };
         warn(format!(
-            "still frames {first} to {last} are not all in the capture (frames {} to {last_frame})",
+            "still frames {first} to {last} are not{all} in the capture (frames {} to {last_frame})",
             capture.first_frame
+        ));
+    }
+    if let Some(start) = session.wind_start_frame.filter(|&start| start > last_frame) {
+        warn(format!(
+            "the wind starts about frame {start}, by the session; the capture ends with frame {last_frame}"
         ));
     }
     if let (Some(file), Some(session)) = (capture.up_axis, session.up_axis)
@@ -195,6 +202,22 @@ mod tests {
                 "the session says 100 frames a second, the capture 120",
                 "still frames 1 to 50 are not all in the capture (frames 1 to 1)",
                 "marker S01_2 is in the capture 2 times; the first is taken",
+            ]
+        );
+    }
+
+    #[test]
+    fn frames_that_are_not_there_are_warned_of() {
+        let frames = r#""still_frames": [0, 0], "wind_starts_about_frame": 2"#;
+        let session = SESSION
+            .replace("\"rate_hz\": 100", "\"rate_hz\": 120")
+            .replace("\"still_frames\": [1, 50]", frames);
+        let session = read_session(session.as_bytes()).unwrap();
+        assert_eq!(
+            check_against(&capture(&["A", "B", "C", "S01_1", "S01_2"]), &session).unwrap(),
+            [
+                "still frames 0 to 0 are not in the capture (frames 1 to 1)",
+                "the wind starts about frame 2, by the session; the capture ends with frame 1",
             ]
         );
     }

@@ -13,6 +13,7 @@ mod merge;
 mod outputs;
 mod prepare;
 mod report;
+mod still;
 mod watch;
 
 pub use attachments::attachments;
