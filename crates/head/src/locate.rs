@@ -1,5 +1,6 @@
 use crate::frames::{FrameQuality, LabelMended, PoseGap, label_spans, n_visible, pose_gaps};
 use crate::labels::mend_labels;
+use crate::mirror::{Mirrored, mirrored};
 use crate::registration::{Pair, Registration, register};
 use crate::shape::{HeadShape, head_shape, median};
 use crate::smooth::{PoseTrackReport, SmoothOptions, TrackedPoses, pose_track};
@@ -112,6 +113,21 @@ pub enum HeadError {
         /// The size in the capture over that in the session.
         scale: f64,
     },
+    /// The head in the capture is the mirror image of the session's.
+    #[error(
+        "found head markers {} where a mirror has them: {mirrored_mm:.1} mm from the session's places mirrored, {as_labeled_mm:.0} mm \
+         from the places themselves, expected the head as it is: are left and right exchanged, or is the capture or the session \
+         a mirrored (left-handed) export?",
+        labels.join(", ")
+    )]
+    Mirrored {
+        /// Labels of the markers that fit in the mirror.
+        labels: Vec<String>,
+        /// Root mean square distance of these from the session's places in the mirror, mm.
+        mirrored_mm: f64,
+        /// The same from the places themselves, mm.
+        as_labeled_mm: f64,
+    },
     /// No frame shows three markers that agree.
     #[error(
         "no frame shows 3 head markers within {tolerance_mm} mm of their places on the head (of {n_frames} frames)"
@@ -137,7 +153,8 @@ pub enum HeadError {
 /// exchanged), and the second trusts no marker that failed to follow the head in the first.
 ///
 /// # Errors
-/// [`HeadError`] if the session's markers are not in the capture, are too few, or no frame gives a pose.
+/// [`HeadError`] if the session's markers are not in the capture, are too few, are a head of another size or its mirror image, or
+/// if no frame gives a pose.
 pub fn locate_head(
     capture: &Capture,
     session: &Session,
@@ -150,6 +167,13 @@ pub fn locate_head(
         return Err(HeadError::OtherScale { scale });
     }
     let still = session.still_range(capture.first_frame, capture.n_frames);
+    // As far as still means may be from the session's places and agree with them, see `head_shape`.
+    if let Some(Mirrored { labels, mirrored_m, as_labeled_m }) =
+        mirrored(&tracks, session, still, 3.0 * options.tolerance_m)
+    {
+        let (mirrored_mm, as_labeled_mm) = (mirrored_m * 1e3, as_labeled_m * 1e3);
+        return Err(HeadError::Mirrored { labels, mirrored_mm, as_labeled_mm });
+    }
     let shape = head_shape(&tracks, session, still, 3.0 * options.tolerance_m);
     let first_pass = register_frames(&tracks, &shape, &vec![1.0; tracks.len()], options);
     let (mislabeled, first_pass) = mend_labels(&mut tracks, &shape, &first_pass, options.tolerance_m);
