@@ -335,7 +335,26 @@ fn a_head_never_seen_is_an_error_that_says_so() {
     }
     let error = locate_head(&capture, &session(), &HeadOptions::default()).unwrap_err();
     assert!(matches!(error, HeadError::NoPose { n_frames: N_FRAMES, .. }), "{error}");
-    capture.trajectories.remove(0);
+    capture.trajectories.drain(..6);
     let error = locate_head(&capture, &session(), &HeadOptions::default()).unwrap_err();
-    assert_eq!(error.to_string(), "the session names markers that the capture does not have: LFHD");
+    let expected = "found 2 of the head's markers in the capture, expected at least 3: it does not have LFHD, RFHD, NOSE, LCHK, RCHK, JAW";
+    assert_eq!(error.to_string(), expected);
+}
+
+/// Programs leave out a marker that was never labeled: no column, or an empty one, is the same.
+#[test]
+fn a_marker_without_a_column_was_never_seen() {
+    let mut capture = capture();
+    for idx in [2, 8] {
+        capture.trajectories[idx].track = Track::missing(N_FRAMES);
+    }
+    let empty = located(&capture);
+    capture.trajectories.retain(|t| t.track.n_valid() > 0);
+    let absent = located(&capture);
+    assert!(absent.report == empty.report && absent.tracked == empty.tracked);
+    assert_near(&empty);
+    let nose = &empty.report.markers[2];
+    assert!(nose.is_never_seen() && !nose.is_left_out(), "{nose:?}");
+    assert!(empty.report.markers[LNCK].is_left_out());
+    assert_eq!(empty.head.strands[0].markers[0].n_valid(), 0);
 }

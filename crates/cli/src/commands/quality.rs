@@ -101,10 +101,15 @@ pub fn summary(report: &QualityReport) -> String {
 fn head_line(report: &QualityReport) -> String {
     let head = &report.head;
     let trusted = head.markers.iter().filter(|m| m.trusted).count();
-    let left_out: Vec<&str> = head.markers.iter().filter(|m| !m.trusted).map(|m| m.label.as_str()).collect();
     let mut words = format!("{trusted} of {} markers follow it", head.markers.len());
-    if !left_out.is_empty() {
-        let _ = write!(words, " (left out: {})", left_out.join(", "));
+    let never_seen = head.markers.iter().filter(|m| m.is_never_seen());
+    let left_out = head.markers.iter().filter(|m| m.is_left_out());
+    let labels = [
+        ("left out", left_out.map(|m| m.label.as_str()).collect::<Vec<_>>()),
+        ("never seen", never_seen.map(|m| m.label.as_str()).collect()),
+    ];
+    for (what, labels) in labels.iter().filter(|(_, labels)| !labels.is_empty()) {
+        let _ = write!(words, " ({what}: {})", labels.join(", "));
     }
     if let Some(residual_m) = head.fit_residual_m {
         let _ = write!(words, ", fit residual {:.2} mm", residual_m * 1e3);
