@@ -8,6 +8,7 @@
 mod attachments;
 mod convert;
 mod files;
+mod held;
 mod measure;
 mod merge;
 mod outputs;

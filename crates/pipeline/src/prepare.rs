@@ -1,5 +1,5 @@
 use crate::report::{CaptureSummary, QualityReport};
-use crate::{ConvertError, Input, Watch, still};
+use crate::{ConvertError, Input, Watch, held, still};
 use tousle_clean::{CleanOptions, Cleaned};
 use tousle_core::{Capture, HeadCapture, Sample, Session};
 use tousle_head::{HeadOptions, Located};
@@ -91,6 +91,12 @@ pub fn prepare(
         // At rest the head's own shape is seen better than hands measured it.
         located = locate(&known)?;
     }
+    let odd = held::hold_against(&known, &located).map_err(|found| ConvertError::OtherLocks {
+        session: session_name(),
+        capture: capture.name.to_owned(),
+        found,
+    })?;
+    ingested.report.warnings.extend(odd);
     drop(stage);
 
     let stage = watch.stage("clean");
