@@ -22,7 +22,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
         positions: Positions::Table(trc.markers.into_iter().map(|marker| marker.positions).collect()),
         other: Vec::new(),
         warnings,
-        cut: None,
+        cut: trc.cut,
     })
 }
 
