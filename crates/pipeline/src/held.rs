@@ -59,8 +59,10 @@ fn head_markers(markers: &[MarkerReport]) -> Vec<String> {
 /// A lock's way from its root along the markers that are seen, and what the session says of it.
 struct Way<'a> {
     last_marker: &'a str,
-    /// As it is seen, m.
+    /// As it is seen in most frames, m.
     seen_m: f64,
+    /// As it is seen where it is shortest, m: hair never stretches, and labels that were exchanged for a while make it seem so.
+    least_seen_m: f64,
     /// As the session has it, m.
     hair_m: f64,
     /// The first stretch between neighbors that is seen to be longer than its hair: to which marker, seen and said, m.
@@ -90,20 +92,22 @@ fn locks(session: &Session, head: &HeadCapture) -> Result<Vec<String>, String> {
         let Some(way) = way(spec, &tracks.markers).filter(|_| root_m.is_none()) else { continue };
         n_ways += 1;
         let field = if measured.is_some() { "marker_distance_from_root_mm" } else { "length_mm" };
-        let words = format!(
-            "lock {name}: found {:.0} mm from its root along its markers to {}, expected {:.0} mm (`{field}`)",
-            way.seen_m * 1e3,
-            way.last_marker,
-            way.hair_m * 1e3
-        );
+        let words = |seen_m: f64| {
+            format!(
+                "lock {name}: found {:.0} mm from its root along its markers to {}, expected {:.0} mm (`{field}`)",
+                seen_m * 1e3,
+                way.last_marker,
+                way.hair_m * 1e3
+            )
+        };
         if way.hair_m > MOST_RATIO * way.seen_m {
-            too_long.push(words);
-        } else if way.seen_m > MOST_RATIO * way.hair_m {
-            too_short.push(words);
-        } else if way.seen_m > MOST_SEEN * way.hair_m + MEASURING_SLACK_M
-            || way.seen_m < LEAST_SEEN * way.hair_m
-        {
-            warnings.push(words);
+            too_long.push(words(way.seen_m));
+        } else if way.least_seen_m > MOST_RATIO * way.hair_m {
+            too_short.push(words(way.least_seen_m));
+        } else if way.seen_m < LEAST_SEEN * way.hair_m {
+            warnings.push(words(way.seen_m));
+        } else if way.least_seen_m > MOST_SEEN * way.hair_m + MEASURING_SLACK_M {
+            warnings.push(words(way.least_seen_m));
         } else if let Some((marker, seen_m, hair_m)) = way.stretched {
             warnings.push(format!(
                 "lock {name}: found marker {marker} {:.0} mm from what is before it, expected at most the {:.0} mm of hair between them \
@@ -139,7 +143,7 @@ fn far_root_m(spec: &StrandSpec, session: &Session) -> Option<f64> {
     (nearest_m > FARTHEST_ROOT_M).then_some(nearest_m)
 }
 
-/// The median distances from the root to the first marker that was seen, and from each to the next. `None` if none was.
+/// The distances from the root to the first marker that was seen, and from each to the next. `None` if none was.
 fn way<'a>(spec: &'a StrandSpec, tracks: &[Track]) -> Option<Way<'a>> {
     let n_markers = spec.markers.len();
     let place_m = |idx: usize| {
@@ -151,16 +155,17 @@ fn way<'a>(spec: &'a StrandSpec, tracks: &[Track]) -> Option<Way<'a>> {
     for (idx, track) in tracks.iter().enumerate() {
         let from = |frame: usize| before.map_or(Some(spec.root_m), |b| tracks[b].at(frame));
         let seen = (0..track.n_frames()).filter_map(|f| Some((track.at(f)? - from(f)?).norm()));
-        let Some(step_m) = median(seen.collect()) else { continue };
+        let Some([least_m, step_m]) = tenth_and_half(seen.collect()) else { continue };
         let label = &*spec.markers[idx].label;
         let step_hair_m = place_m(idx) - before.map_or(0.0, place_m);
         let is_measured = spec.markers[idx].distance_from_root_m.is_some();
-        let is_stretched = is_measured && step_m > MOST_SEEN * step_hair_m + MEASURING_SLACK_M;
-        let stretched = is_stretched.then_some((label, step_m, step_hair_m));
+        let is_stretched = is_measured && least_m > MOST_SEEN * step_hair_m + MEASURING_SLACK_M;
+        let stretched = is_stretched.then_some((label, least_m, step_hair_m));
         let so_far = way.take();
         way = Some(Way {
             last_marker: label,
             seen_m: so_far.as_ref().map_or(0.0, |w| w.seen_m) + step_m,
+            least_seen_m: so_far.as_ref().map_or(0.0, |w| w.least_seen_m) + least_m,
             hair_m: place_m(idx),
             stretched: so_far.and_then(|w| w.stretched).or(stretched),
         });
@@ -169,9 +174,10 @@ fn way<'a>(spec: &'a StrandSpec, tracks: &[Track]) -> Option<Way<'a>> {
     way
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
+/// What a tenth of the values is below, and what half of them is; `None` without any.
+fn tenth_and_half(mut values: Vec<f64>) -> Option<[f64; 2]> {
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
+    Some([*values.get(values.len() / 10)?, *values.get(values.len() / 2)?])
 }
 
 /// Fans whose two directions are far apart.
