@@ -113,7 +113,8 @@ fn groom_hint(error: &GroomReadError) -> &'static str {
 /// How a marker file is read, as the command line has it.
 fn read_options(args: &ReadArgs) -> IngestOptions {
     IngestOptions {
-        unit: args.unit,
+        // Whoever gives a unit has looked at the numbers: it counts whatever the file says of itself.
+        unit_override: args.unit,
         subject: args.subject.clone(),
         allow_cut: args.allow_cut,
         ..IngestOptions::default()

@@ -121,8 +121,8 @@ pub enum HeadError {
     },
     /// The head in the capture is of another size than the session's.
     #[error(
-        "found head markers {scale:.3} times as far apart as in the session, expected the same size: is the unit of the capture \
-         or of the session another one?"
+        "found head markers {scale:.3} times as far apart as in the session, expected the same size: is the capture in another unit \
+         than its file names (`unit` overrides that), or are the session's millimeters others?"
     )]
     OtherScale {
         /// The size in the capture over that in the session.

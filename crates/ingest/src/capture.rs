@@ -144,7 +144,7 @@ fn unit(
         if in_file != Some(unit)
             && let Some(named) = named
         {
-            warnings.push(format!("the file says {named:?}, read as {} because the caller says so", unit.name()));
+            warnings.push(format!("the file says {named:?}, read as {}, as given", unit.name()));
         }
         return Ok((unit, in_file));
     }
