@@ -5,21 +5,33 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use tousle_core::FrameSpan;
 use tousle_page::{QualityPage, quality_page};
-use tousle_pipeline::{Prepared, QualityReport, write_whole};
+use tousle_pipeline::{Outputs, Prepared, QualityReport};
 
 /// Refuses report files that are neither a page nor JSON, or cannot be written, before any work is done.
 pub fn check_reports(paths: &[PathBuf], inputs: &[&Path]) -> anyhow::Result<()> {
     check_outputs(paths, &["html", "json"], inputs)
 }
 
-/// Writes the quality report to each path, as its ending asks.
+/// Writes the quality report to each path, as its ending asks, to all or to none.
 pub fn write_reports(paths: &[PathBuf], capture: &Path, prepared: &Prepared) -> anyhow::Result<()> {
+    let mut outputs = Outputs::default();
+    add_reports(&mut outputs, paths, capture, prepared)?;
+    Ok(outputs.appear()?)
+}
+
+/// The same, together with other files.
+pub fn add_reports(
+    outputs: &mut Outputs,
+    paths: &[PathBuf],
+    capture: &Path,
+    prepared: &Prepared,
+) -> anyhow::Result<()> {
     for path in paths {
         let bytes = match ending(path).as_str() {
             "json" => serde_json::to_vec_pretty(&prepared.quality)?,
             _ => page(capture, prepared).into_bytes(),
         };
-        write_whole(path, |out| std::io::Write::write_all(out, &bytes))?;
+        outputs.add(path, |out| std::io::Write::write_all(out, &bytes))?;
     }
     Ok(())
 }
