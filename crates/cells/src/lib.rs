@@ -3,10 +3,10 @@
 //! - [`plain`] takes a file's bytes to UTF-8 (or a one-byte encoding) without a byte order mark.
 //! - [`text`] and [`shorten`] make a cell readable, whatever its bytes.
 //! - [`Numbers`] reads the numbers of one file, decimal commas among them, and refuses what can be read in two
-//!   ways; [`whole`] reads frame numbers and counts.
+//!   ways; [`whole`] reads frame numbers and counts; [`Decimals`] tells a number that lost digits where a file was cut off.
 
 mod encoding;
 mod number;
 
 pub use encoding::{plain, shorten, text};
-pub use number::{Numbers, whole};
+pub use number::{Decimals, Numbers, whole};

@@ -46,6 +46,42 @@ impl Numbers {
     }
 }
 
+/// How many decimals the numbers of a column have, to tell one that lost some where its file was cut off.
+#[derive(Clone, Debug, Default)]
+pub struct Decimals {
+    n_seen: usize,
+    least: usize,
+}
+
+impl Decimals {
+    /// So many numbers must have their decimals before one with fewer is odd. Programs that drop zeros at the end write one in ten with
+    /// fewer than the most, one in a hundred with two fewer: after some dozen the fewest have been seen.
+    const ENOUGH: usize = 30;
+
+    /// Takes a cell of the column; one without a number says nothing.
+    pub fn see(&mut self, cell: &[u8]) {
+        if let Some(n) = n_decimals(cell) {
+            self.least = if self.n_seen == 0 { n } else { self.least.min(n) };
+            self.n_seen += 1;
+        }
+    }
+
+    /// Whether a number at the very end of a file has fewer decimals than all before it in its column: it lost some.
+    pub fn lost_some(&self, cell: &[u8]) -> bool {
+        self.n_seen >= Self::ENOUGH && n_decimals(cell).is_some_and(|n| n < self.least)
+    }
+}
+
+/// Digits behind the decimal mark; `None` where there is no digit at all, or an exponent, which makes them say nothing.
+fn n_decimals(cell: &[u8]) -> Option<usize> {
+    let is_plain = |b: &u8| b.is_ascii_digit() || matches!(b, b'+' | b'-' | b'.' | b',');
+    if !cell.iter().all(is_plain) || !cell.iter().any(u8::is_ascii_digit) {
+        return None;
+    }
+    let mark = cell.iter().position(|b| matches!(b, b'.' | b','));
+    Some(mark.map_or(0, |at| cell.len() - at - 1))
+}
+
 /// A whole number, as frame numbers and counts are; `12.0` is one.
 pub fn whole(cell: &[u8]) -> Option<i64> {
     let text = std::str::from_utf8(cell).ok()?;
@@ -80,6 +116,25 @@ fn says_nothing(cell: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_number_that_lost_decimals() {
+        let seen = |cells: &[&str], n: usize| {
+            let mut decimals = Decimals::default();
+            (0..n).for_each(|k| decimals.see(cells[k % cells.len()].as_bytes()));
+            decimals
+        };
+        let fixed = seen(&["1345.14", "-2.50", "", "nan"], 80);
+        for (cell, lost) in
+            [("1345.14", false), ("1345.1", true), ("1345.", true), ("134", true), ("1,1", true)]
+        {
+            assert_eq!(fixed.lost_some(cell.as_bytes()), lost, "{cell}");
+        }
+        assert!(!fixed.lost_some(b"") && !fixed.lost_some(b"-") && !fixed.lost_some(b"1e-5"));
+        assert!(!seen(&["1345.14"], 29).lost_some(b"134"), "too few to tell");
+        let short = seen(&["1345.14", "1345.1", "1345"], 90);
+        assert!(!short.lost_some(b"134"), "zeros at the end are left out");
+    }
 
     #[test]
     fn plain_numbers_and_their_absence() {

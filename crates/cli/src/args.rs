@@ -246,7 +246,7 @@ pub struct MigrateArgs {
 /// What a marker file may fail to say.
 #[derive(Debug, Args)]
 pub struct ReadArgs {
-    /// The unit of the capture's positions, where the file names none.
+    /// The unit of the capture's positions, whatever the file names [default: the file's; where it names none, the session's].
     #[arg(long, value_parser = parse_unit, value_name = "mm|cm|m|in")]
     pub unit: Option<tousle_core::LengthUnit>,
     /// The subject (prefix of the labels) to read, where there are several.

@@ -26,7 +26,7 @@ use tousle_eff::{Eff, EffError, Encoding, ReadOptions, WriteOptions, WriteReport
 use tousle_field::{GridSpec, Scene};
 use tousle_groom::{GroomOptions, GroomReadError, HeadShape, Placement};
 use tousle_ingest::IngestOptions;
-use tousle_pipeline::{Watch, read_file, write_whole};
+use tousle_pipeline::{Outputs, Watch, read_file, write_whole};
 
 /// The name of a file, for messages.
 fn name(path: &Path) -> String {
@@ -113,7 +113,8 @@ fn groom_hint(error: &GroomReadError) -> &'static str {
 /// How a marker file is read, as the command line has it.
 fn read_options(args: &ReadArgs) -> IngestOptions {
     IngestOptions {
-        unit: args.unit,
+        // Whoever gives a unit has looked at the numbers: it counts whatever the file says of itself.
+        unit_override: args.unit,
         subject: args.subject.clone(),
         allow_cut: args.allow_cut,
         ..IngestOptions::default()
@@ -129,6 +130,18 @@ fn write_eff(
 ) -> anyhow::Result<WriteReport> {
     let stage = watch.stage("write");
     Ok(write_whole(path, |out| tousle_eff::write(eff, out, options, &*stage))?)
+}
+
+/// Writes a field file that appears together with others.
+fn add_eff(
+    outputs: &mut Outputs,
+    eff: &Eff,
+    path: &Path,
+    options: &WriteOptions,
+    watch: &dyn Watch,
+) -> anyhow::Result<WriteReport> {
+    let stage = watch.stage("write");
+    Ok(outputs.add(path, |out| tousle_eff::write(eff, out, options, &*stage))?)
 }
 
 /// How a field is packed, as the command line has it.

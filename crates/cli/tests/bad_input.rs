@@ -81,15 +81,20 @@ fn a_csv_with_decimal_commas_between_commas() {
 }
 
 #[test]
-fn a_session_that_names_a_marker_which_is_not_there() {
+fn a_session_that_names_markers_which_are_not_there() {
+    let with = |room: &Room, from: &str, to: &str| {
+        let session = String::from_utf8(room.read("session.json")).unwrap().replace(from, to);
+        room.write("session.json", session);
+        format!("gusts.c3d {GOOD_SESSION}")
+    };
     convert_refuses(
-        |room| {
-            let session = String::from_utf8(room.read("session.json")).unwrap().replace("S05_3", "S05_33");
-            room.write("session.json", session);
-            format!("gusts.c3d {GOOD_SESSION}")
-        },
-        &["session.json", "S05_33 (the capture has S05_3)"],
+        |room| with(room, "\"S", "\"T"),
+        &["session.json", "T01_1 (the capture has S01_1)", "and"],
     );
+    let room = Room::new();
+    let words = with(&room, "S05_3", "S05_33");
+    let run = room.run(&format!("inspect --no-clean {words}")).ended(0);
+    assert!(run.out.contains("count as never seen: S05_33 (the capture has S05_3)"), "{}", run.out);
 }
 
 #[test]
@@ -203,9 +208,36 @@ fn a_full_disk_leaves_the_old_file() {
     assert_eq!(room.read("f.eff.mcap"), b"old");
 }
 
+/// A report that cannot be written leaves no field without it.
+#[cfg(target_os = "linux")]
+#[test]
+fn field_and_reports_appear_together() {
+    let room = Room::new();
+    let before = room.files();
+    let convert = "convert gusts.c3d --method paper --session session.json -o f.eff.mcap";
+    let run = room.run(&format!("{convert} --report q.json --report /proc/q.json")).ended(1);
+    run.says(&["cannot write /proc/q.json (nothing was written)"]);
+    assert_eq!(room.files(), before);
+}
+
+/// The file says millimeters: whoever says that it does not is believed, and the head tells that this is wrong.
+#[test]
+fn a_unit_that_is_given_wins() {
+    let room = Room::new();
+    let inspect = "inspect gusts.c3d --session session.json";
+    room.run(&format!("{inspect} --unit cm"))
+        .ended(1)
+        .says(&["found head markers 10.", "`unit` overrides that"]);
+    let run = room.run(&format!("{inspect} --unit mm")).ended(0);
+    assert!(!run.out.contains("as given"), "{}", run.out);
+}
+
 #[test]
 fn wrong_words_are_exit_code_2() {
     let room = Room::new();
+    for folder in ["folder.eff.mcap", "folder.json"] {
+        std::fs::create_dir(room.path(folder)).unwrap();
+    }
     for words in [
         "",
         "fly",
@@ -219,6 +251,8 @@ fn wrong_words_are_exit_code_2() {
         "convert gusts.c3d --session session.json -o f.eff.mcap --encoding fixed --max-error 0",
         "convert gusts.c3d --session gusts.c3d -o gusts.c3d",
         "convert gusts.c3d --session session.json -o f.eff.mcap --report session.json",
+        "convert gusts.c3d --session session.json -o folder.eff.mcap",
+        "convert gusts.c3d --session session.json -o f.eff.mcap --report folder.json",
     ] {
         room.run(words).ended(2);
     }

@@ -35,9 +35,15 @@ impl Session {
     /// The still frames as indices from 0, both included, clipped to a capture; `None` if none is left.
     pub fn still_range(&self, first_frame: i64, n_frames: usize) -> Option<(usize, usize)> {
         let (first, last) = self.still_frames?;
-        let first = usize::try_from(first.checked_sub(first_frame)?.max(0)).ok()?;
-        let last = usize::try_from(last.checked_sub(first_frame)?).ok()?.min(n_frames.checked_sub(1)?);
+        let first = usize::try_from(first.saturating_sub(first_frame).max(0)).ok()?;
+        let last = usize::try_from(last.saturating_sub(first_frame)).ok()?.min(n_frames.checked_sub(1)?);
         (first <= last).then_some((first, last))
+    }
+
+    /// When the wind starts, roughly, s after a capture's first frame; below 0 where it blew before. `None` if nobody says.
+    pub fn wind_start_secs(&self, first_frame: i64, rate_hz: f64) -> Option<f64> {
+        // As doubles: a session can name any frame, and the difference of two need not be a whole number that there is.
+        self.wind_start_frame.map(|frame| (frame as f64 - first_frame as f64) / rate_hz)
     }
 }
 
@@ -102,4 +108,52 @@ pub struct StrandMarker {
     pub distance_from_root_m: Option<f64>,
     /// Mass, kg.
     pub mass_kg: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn session(still_frames: Option<(i64, i64)>, wind_start_frame: Option<i64>) -> Session {
+        Session {
+            name: String::new(),
+            subject: None,
+            rate_hz: None,
+            unit: None,
+            up_axis: None,
+            still_frames,
+            wind_start_frame,
+            head_markers: Vec::new(),
+            body: Body::none(),
+            fans: Vec::new(),
+            air_density: 1.2,
+            strands: Vec::new(),
+            assumed: Vec::new(),
+        }
+    }
+
+    /// Frames count from 5000; a session may name any.
+    #[test]
+    fn still_frames_are_clipped_to_the_capture() {
+        for (named, expected) in [
+            ((5000, 5099), Some((0, 99))),
+            ((0, 5099), Some((0, 99))),
+            ((i64::MIN, 5009), Some((0, 9))),
+            ((5900, i64::MAX), Some((900, 999))),
+            ((0, 4999), None),
+            ((6000, 6100), None),
+            ((i64::MIN, i64::MIN), None),
+        ] {
+            assert_eq!(session(Some(named), None).still_range(5000, 1000), expected, "{named:?}");
+        }
+    }
+
+    #[test]
+    fn the_wind_may_start_in_any_frame() {
+        let start = |frame, first_frame| session(None, frame).wind_start_secs(first_frame, 100.0);
+        assert_eq!(start(Some(5120), 5000), Some(1.2));
+        assert_eq!(start(Some(4900), 5000), Some(-1.0));
+        assert_eq!(start(None, 5000), None);
+        assert!(start(Some(i64::MIN), 1).unwrap() < -9e16 && start(Some(i64::MAX), -1).unwrap() > 9e16);
+    }
 }

@@ -1,6 +1,6 @@
 use crate::CsvError;
 use crate::rows::Row;
-use tousle_cells::{Numbers, whole};
+use tousle_cells::{Decimals, Numbers, whole};
 
 /// A table of positions: one row a frame, three columns a point.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -40,6 +40,9 @@ pub(crate) struct PointReader {
     /// A full table has at least three bytes a position; far more positions than bytes mean that most are not there.
     most_positions: usize,
     numbers: Numbers,
+    /// Those of the last column that the header gives a meaning.
+    last_decimals: Decimals,
+    cut_line: Option<u64>,
     table: PointTable,
     odd_lines: usize,
     first_odd_line: Option<u64>,
@@ -72,6 +75,8 @@ impl PointReader {
             width,
             most_positions: file_len.saturating_mul(2),
             numbers,
+            last_decimals: Decimals::default(),
+            cut_line: None,
             table: PointTable { frames: Vec::new(), points },
             odd_lines: 0,
             first_odd_line: None,
@@ -90,9 +95,7 @@ impl PointReader {
             let found = format!("lines of {} cells or so", row.len());
             return Err(CsvError::line(row.line, found, format!("{} cells in each", self.width.used)));
         }
-        // The last number of a cut line may have lost digits without showing it.
-        let complete =
-            if open && row.len() < self.width.used { row.len().saturating_sub(1) } else { usize::MAX };
+        let complete = self.complete(row, open);
         for (columns, point) in self.columns.iter().zip(&mut self.table.points) {
             let mut xyz = [None; 3];
             for (value, &idx) in xyz.iter_mut().zip(&columns.xyz) {
@@ -107,6 +110,22 @@ impl PointReader {
             self.half_positions += usize::from(xyz.iter().flatten().count() % 3 != 0);
         }
         Ok(())
+    }
+
+    /// How many cells of a row are there as they were written.
+    fn complete(&mut self, row: &Row, open: bool) -> usize {
+        let last_idx = self.width.used.saturating_sub(1);
+        let last = row.cell(last_idx);
+        // The last number of a cut line may have lost digits without showing it.
+        if open && row.len() < self.width.used {
+            return row.len().saturating_sub(1);
+        }
+        if open && row.len() == self.width.used && self.last_decimals.lost_some(last) {
+            self.cut_line = Some(row.line);
+            return last_idx;
+        }
+        self.last_decimals.see(last);
+        usize::MAX
     }
 
     /// The table, and what was odd about it.
@@ -124,6 +143,11 @@ impl PointReader {
             warnings.push(format!(
                 "{} lines, the first of them line {line}, are not as long as the header; missing cells count as blank",
                 self.odd_lines
+            ));
+        }
+        if let Some(line) = self.cut_line {
+            warnings.push(format!(
+                "line {line} has no end, and its last number fewer decimals than all above it: it counts as missing"
             ));
         }
         if self.half_positions > 0 {

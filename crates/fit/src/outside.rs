@@ -27,7 +27,7 @@ pub(crate) fn fan_winds(
     time_secs: f64,
 ) -> Vec<Vec3> {
     let turn = pose.rotation.inverse() * rest_pose.rotation;
-    let start_secs = session.wind_start_frame.map_or(0.0, |f| (f - head.first_frame) as f64 / head.rate_hz);
+    let start_secs = session.wind_start_secs(head.first_frame, head.rate_hz).unwrap_or(0.0);
     let share = ((time_secs - start_secs) / (head.duration_secs() - start_secs)).clamp(0.0, 1.0);
     let wind = |fan: &tousle_core::Fan| {
         let at_rest = match (fan.to_azimuth_rad, fan.blows_towards_world) {

@@ -8,6 +8,7 @@ mod bridge;
 mod frames;
 mod labels;
 mod locate;
+mod mirror;
 mod registration;
 mod shape;
 mod smooth;

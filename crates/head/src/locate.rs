@@ -1,12 +1,14 @@
 use crate::frames::{FrameQuality, LabelMended, PoseGap, label_spans, n_visible, pose_gaps};
 use crate::labels::mend_labels;
+use crate::mirror::{Mirrored, mirrored};
 use crate::registration::{Pair, Registration, register};
 use crate::shape::{HeadShape, head_shape, median};
 use crate::smooth::{PoseTrackReport, SmoothOptions, TrackedPoses, pose_track};
 use rayon::prelude::*;
 use serde::Serialize;
 use tousle_core::{
-    Capture, FrameSpan, HeadCapture, HeadPose, Session, StrandTracks, Track, UnlabeledTrack, Vec3, runs,
+    Capture, FrameSpan, HeadCapture, HeadMarker, HeadPose, Session, StrandTracks, Track, UnlabeledTrack,
+    Vec3, runs,
 };
 
 /// How the head is found.
@@ -87,14 +89,28 @@ pub struct MarkerReport {
     pub left_out: Vec<FrameSpan>,
 }
 
+impl MarkerReport {
+    /// Whether it was there and is not used, as it moves by itself: one that was never seen did nothing wrong.
+    pub fn is_left_out(&self) -> bool {
+        !self.trusted && !self.is_never_seen()
+    }
+
+    /// Whether no frame shows it.
+    pub fn is_never_seen(&self) -> bool {
+        self.seen <= 0.0
+    }
+}
+
 /// Why no head can be found.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum HeadError {
-    /// Markers that the session names are not in the capture.
-    #[error("the session names markers that the capture does not have: {}", labels.join(", "))]
+    /// So many of the head's markers are not in the capture that fewer than three are.
+    #[error("found {found} of the head's markers in the capture, expected at least 3: it does not have {}", labels.join(", "))]
     MissingMarkers {
-        /// Their labels.
+        /// How many there are.
+        found: usize,
+        /// Labels of those that are not.
         labels: Vec<String>,
     },
     /// Three markers settle a pose.
@@ -105,12 +121,27 @@ pub enum HeadError {
     },
     /// The head in the capture is of another size than the session's.
     #[error(
-        "found head markers {scale:.3} times as far apart as in the session, expected the same size: is the unit of the capture \
-         or of the session another one?"
+        "found head markers {scale:.3} times as far apart as in the session, expected the same size: is the capture in another unit \
+         than its file names (`unit` overrides that), or are the session's millimeters others?"
     )]
     OtherScale {
         /// The size in the capture over that in the session.
         scale: f64,
+    },
+    /// The head in the capture is the mirror image of the session's.
+    #[error(
+        "found head markers {} where a mirror has them: {mirrored_mm:.1} mm from the session's places mirrored, {as_labeled_mm:.0} mm \
+         from the places themselves, expected the head as it is: are left and right exchanged, or is the capture or the session \
+         a mirrored (left-handed) export?",
+        labels.join(", ")
+    )]
+    Mirrored {
+        /// Labels of the markers that fit in the mirror.
+        labels: Vec<String>,
+        /// Root mean square distance of these from the session's places in the mirror, mm.
+        mirrored_mm: f64,
+        /// The same from the places themselves, mm.
+        as_labeled_mm: f64,
     },
     /// No frame shows three markers that agree.
     #[error(
@@ -126,7 +157,7 @@ pub enum HeadError {
 
 /// Finds the head's pose in every frame and expresses every lock in head space.
 ///
-/// In: world-space positions, m. Out: `world_from_head` a frame, `None` where fewer than three trusted markers
+/// In: world-space positions, m; a marker that the capture does not have was never seen. Out: `world_from_head` a frame, `None` where fewer than three trusted markers
 /// agree, unless those around tell it; the smooth track of those poses; marker tracks in head space, m, missing wherever
 /// the marker or the pose is. Locks are seen from the *smooth* track: the noise of eight markers turns the head by 2 mrad a frame,
 /// which would shake a tip 25 cm away by half a millimeter, three times the cameras' own noise.
@@ -137,19 +168,27 @@ pub enum HeadError {
 /// exchanged), and the second trusts no marker that failed to follow the head in the first.
 ///
 /// # Errors
-/// [`HeadError`] if the session's markers are not in the capture, are too few, or no frame gives a pose.
+/// [`HeadError`] if fewer than three of the session's head markers are in the capture, if they are a head of another size or its mirror image, or
+/// if no frame gives a pose.
 pub fn locate_head(
     capture: &Capture,
     session: &Session,
     options: &HeadOptions,
 ) -> Result<Located, HeadError> {
-    let mut tracks: Vec<Track> = head_tracks(capture, session)?.into_iter().cloned().collect();
+    let mut tracks = head_tracks(capture, session)?;
     if let Some(scale) = scale(&tracks, session)
         && !(1.0 / MOST_SCALE..=MOST_SCALE).contains(&scale)
     {
         return Err(HeadError::OtherScale { scale });
     }
     let still = session.still_range(capture.first_frame, capture.n_frames);
+    // As far as still means may be from the session's places and agree with them, see `head_shape`.
+    if let Some(Mirrored { labels, mirrored_m, as_labeled_m }) =
+        mirrored(&tracks, session, still, 3.0 * options.tolerance_m)
+    {
+        let (mirrored_mm, as_labeled_mm) = (mirrored_m * 1e3, as_labeled_m * 1e3);
+        return Err(HeadError::Mirrored { labels, mirrored_mm, as_labeled_mm });
+    }
     let shape = head_shape(&tracks, session, still, 3.0 * options.tolerance_m);
     let first_pass = register_frames(&tracks, &shape, &vec![1.0; tracks.len()], options);
     let (mislabeled, first_pass) = mend_labels(&mut tracks, &shape, &first_pass, options.tolerance_m);
@@ -169,7 +208,7 @@ pub fn locate_head(
     let head = HeadCapture {
         rate_hz: capture.rate_hz,
         first_frame: capture.first_frame,
-        strands: strand_tracks(capture, session, &poses, &tracked)?,
+        strands: strand_tracks(capture, session, &poses, &tracked),
         unlabeled: unlabeled_tracks(capture, &poses, &tracked),
         poses,
     };
@@ -247,34 +286,32 @@ fn with_bridges(
     poses.iter().enumerate().map(smooth).collect()
 }
 
-fn head_tracks<'a>(capture: &'a Capture, session: &Session) -> Result<Vec<&'a Track>, HeadError> {
+/// The tracks of the head's markers; one that is not in the capture was never seen.
+fn head_tracks(capture: &Capture, session: &Session) -> Result<Vec<Track>, HeadError> {
     if session.head_markers.len() < 3 {
         return Err(HeadError::TooFewMarkers { found: session.head_markers.len() });
     }
-    let labels = session.head_markers.iter().map(|m| m.label.as_str());
-    find_tracks(capture, session, labels)
+    let find = |m: &HeadMarker| find_track(capture, session, &m.label);
+    let tracks: Vec<Option<&Track>> = session.head_markers.iter().map(find).collect();
+    let found = tracks.iter().flatten().count();
+    if found < 3 {
+        let absent = session.head_markers.iter().zip(&tracks).filter(|(_, track)| track.is_none());
+        return Err(HeadError::MissingMarkers {
+            found,
+            labels: absent.map(|(m, _)| m.label.clone()).collect(),
+        });
+    }
+    let or_missing =
+        |track: Option<&Track>| track.cloned().unwrap_or_else(|| Track::missing(capture.n_frames));
+    Ok(tracks.into_iter().map(or_missing).collect())
 }
 
-/// The tracks of these labels; the session's subject decides between two subjects with the same label.
-fn find_tracks<'a, 'b>(
-    capture: &'a Capture,
-    session: &Session,
-    labels: impl Iterator<Item = &'b str>,
-) -> Result<Vec<&'a Track>, HeadError> {
-    let find = |label: &str| {
-        let named = |t: &&tousle_core::Trajectory| t.label == label;
-        let of_subject = |t: &&tousle_core::Trajectory| named(t) && t.subject == session.subject;
-        capture.trajectories.iter().find(of_subject).or_else(|| capture.trajectories.iter().find(named))
-    };
-    let mut missing = Vec::new();
-    let mut tracks = Vec::new();
-    for label in labels {
-        match find(label) {
-            Some(trajectory) => tracks.push(&trajectory.track),
-            None => missing.push(label.to_owned()),
-        }
-    }
-    if missing.is_empty() { Ok(tracks) } else { Err(HeadError::MissingMarkers { labels: missing }) }
+/// The track of a label; the session's subject decides between two subjects with the same label.
+fn find_track<'a>(capture: &'a Capture, session: &Session, label: &str) -> Option<&'a Track> {
+    let named = |t: &&tousle_core::Trajectory| t.label == label;
+    let of_subject = |t: &&tousle_core::Trajectory| named(t) && t.subject == session.subject;
+    let found = capture.trajectories.iter().find(of_subject);
+    found.or_else(|| capture.trajectories.iter().find(named)).map(|t| &t.track)
 }
 
 fn register_frames(
@@ -338,15 +375,16 @@ fn strand_tracks(
     session: &Session,
     poses: &[Option<HeadPose>],
     tracked: &TrackedPoses,
-) -> Result<Vec<StrandTracks>, HeadError> {
-    let labels = session.strands.iter().flat_map(|s| s.markers.iter().map(|m| m.label.as_str()));
-    let mut tracks = find_tracks(capture, session, labels)?.into_iter();
-    let strand = |(strand_idx, spec): (usize, &tousle_core::StrandSpec)| {
-        let of_strand = tracks.by_ref().take(spec.markers.len());
-        let markers = of_strand.map(|track| to_head(track, poses, tracked)).collect();
-        StrandTracks { strand_idx, markers }
+) -> Vec<StrandTracks> {
+    let marker = |label: &str| match find_track(capture, session, label) {
+        Some(track) => to_head(track, poses, tracked),
+        None => Track::missing(capture.n_frames),
     };
-    Ok(session.strands.iter().enumerate().map(strand).collect())
+    let strand = |(strand_idx, spec): (usize, &tousle_core::StrandSpec)| StrandTracks {
+        strand_idx,
+        markers: spec.markers.iter().map(|m| marker(&m.label)).collect(),
+    };
+    session.strands.iter().enumerate().map(strand).collect()
 }
 
 fn unlabeled_tracks(

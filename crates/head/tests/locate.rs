@@ -150,6 +150,59 @@ fn a_head_of_another_size_is_refused() {
     assert!(matches!(error, HeadError::OtherScale { scale } if (9.0..11.0).contains(&scale)), "{error}");
 }
 
+/// Left for right in the room, or left for right under all labels: a head that is about symmetrical looks the same.
+#[test]
+fn a_head_in_a_mirror_is_refused() {
+    let refused = |capture: &Capture, session: &Session| {
+        let error = locate_head(capture, session, &HeadOptions::default()).unwrap_err();
+        let HeadError::Mirrored { labels, mirrored_mm, as_labeled_mm } = &error else { panic!("{error}") };
+        assert!(labels.len() >= 7 && labels.contains(&"LFHD".to_owned()), "{error}");
+        assert!(*mirrored_mm < 3.0 && *as_labeled_mm > 20.0, "{error}");
+    };
+    let mut left_handed = capture();
+    for trajectory in &mut left_handed.trajectories {
+        trajectory.track = trajectory.track.map(|_, p| Some(Vec3::new(p.x, p.y, -p.z)));
+    }
+    let mut exchanged = capture();
+    for pair in [[0, 1], [3, 4], [6, 7]] {
+        exchange(&mut exchanged, pair, 0..N_FRAMES);
+    }
+    for capture in [&mut left_handed, &mut exchanged] {
+        refused(capture, &session());
+        // One marker that is somewhere else hides nothing.
+        capture.trajectories[2].track =
+            capture.trajectories[2].track.map(|_, p| Some(p + Vec3::repeat(0.03)));
+        refused(capture, &session());
+    }
+    let mut mirrored = session();
+    mirrored.head_markers.iter_mut().for_each(|m| m.position_m.y = -m.position_m.y);
+    refused(&capture(), &mirrored);
+}
+
+/// Two labels exchanged from the first frame to the last, still frames among them.
+#[test]
+fn one_pair_exchanged_throughout_is_mended() {
+    for pair in [[0, 1], [3, 4], [0, 4]] {
+        let mut capture = capture();
+        exchange(&mut capture, pair, 0..N_FRAMES);
+        let located = located(&capture);
+        assert_near(&located);
+        let mended: Vec<&str> = located.report.labels_mended.iter().map(|m| m.label.as_str()).collect();
+        assert_eq!(mended, pair.map(|k| MARKERS[k].0));
+        assert!(located.report.markers.iter().all(|m| m.correction_m < 3e-3));
+    }
+}
+
+/// Labels that are all exchanged for half of the capture are told by the other half.
+#[test]
+fn a_mirror_for_a_while_is_mended() {
+    let mut capture = capture();
+    for pair in [[0, 1], [3, 4], [6, 7]] {
+        exchange(&mut capture, pair, 130..N_FRAMES);
+    }
+    assert_near(&located(&capture));
+}
+
 #[test]
 fn exchanged_labels_are_told_by_their_places() {
     let mut capture = capture();
@@ -282,7 +335,26 @@ fn a_head_never_seen_is_an_error_that_says_so() {
     }
     let error = locate_head(&capture, &session(), &HeadOptions::default()).unwrap_err();
     assert!(matches!(error, HeadError::NoPose { n_frames: N_FRAMES, .. }), "{error}");
-    capture.trajectories.remove(0);
+    capture.trajectories.drain(..6);
     let error = locate_head(&capture, &session(), &HeadOptions::default()).unwrap_err();
-    assert_eq!(error.to_string(), "the session names markers that the capture does not have: LFHD");
+    let expected = "found 2 of the head's markers in the capture, expected at least 3: it does not have LFHD, RFHD, NOSE, LCHK, RCHK, JAW";
+    assert_eq!(error.to_string(), expected);
+}
+
+/// Programs leave out a marker that was never labeled: no column, or an empty one, is the same.
+#[test]
+fn a_marker_without_a_column_was_never_seen() {
+    let mut capture = capture();
+    for idx in [2, 8] {
+        capture.trajectories[idx].track = Track::missing(N_FRAMES);
+    }
+    let empty = located(&capture);
+    capture.trajectories.retain(|t| t.track.n_valid() > 0);
+    let absent = located(&capture);
+    assert!(absent.report == empty.report && absent.tracked == empty.tracked);
+    assert_near(&empty);
+    let nose = &empty.report.markers[2];
+    assert!(nose.is_never_seen() && !nose.is_left_out(), "{nose:?}");
+    assert!(empty.report.markers[LNCK].is_left_out());
+    assert_eq!(empty.head.strands[0].markers[0].n_valid(), 0);
 }

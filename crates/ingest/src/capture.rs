@@ -144,8 +144,7 @@ fn unit(
         if in_file != Some(unit)
             && let Some(named) = named
         {
-            warnings
-                .push(format!("the file says {named:?}, read as {} because the caller says so", unit.name()));
+            warnings.push(format!("the file says {named:?}, read as {}, as given", unit.name()));
         }
         return Ok((unit, in_file));
     }
@@ -175,9 +174,21 @@ fn rate(
     options: &IngestOptions,
     warnings: &mut Vec<String>,
 ) -> Result<f64, IngestError> {
+    let is_same = |a: f64, b: f64| (a - b).abs() <= 1e-3 * a;
     let found = match (recording.rate_hz, options.rate_hz) {
+        // A file that contradicts itself, and a witness.
+        (Some(rate), Some(given))
+            if !is_same(rate, given)
+                && recording.other_rate_hz.is_some_and(|other| is_same(other, given)) =>
+        {
+            let other = recording.other_rate_hz.unwrap_or(given);
+            warnings.push(format!(
+                "the file says {rate} frames a second and {other}, {given} was given; read as {other}, which two say"
+            ));
+            other
+        }
         (Some(rate), other) => {
-            if let Some(other) = other.filter(|other| (rate - other).abs() > 1e-3 * rate) {
+            if let Some(other) = other.filter(|&other| !is_same(rate, other)) {
                 warnings.push(format!(
                     "the file says {rate} frames a second, {other} was given; read as the file says"
                 ));

@@ -1,4 +1,4 @@
-use tousle_core::{Capture, Session};
+use tousle_core::{Capture, Session, StrandSpec};
 
 /// Why a session does not go with a capture.
 #[derive(Debug, thiserror::Error)]
@@ -29,20 +29,53 @@ pub struct MissingMarker {
     pub nearest: Option<String>,
 }
 
-/// Checks that every marker of the session is in the capture; gives warnings for what is odd but can be used.
+/// Checks that the session's markers are in the capture; gives warnings for what is odd but can be used.
+///
+/// Programs leave out markers that were never labeled in a trial: what is not there counts as never seen, and is warned of, as long as
+/// the rest can be used.
 ///
 /// # Errors
-/// [`CheckError`] if a marker is missing, or if it is not clear whose it is.
+/// [`CheckError`] if more than half of all markers are missing (then the session is of something else), if fewer than three of the
+/// head's are there, or none of any lock; or if it is not clear whose a marker is.
 pub fn check_against(capture: &Capture, session: &Session) -> Result<Vec<String>, CheckError> {
     let missing: Vec<MissingMarker> = session_labels(session)
         .filter(|label| capture.trajectory(label).is_none())
         .map(|label| MissingMarker { label: label.to_owned(), nearest: nearest(label, capture, session) })
         .collect();
-    if !missing.is_empty() {
+    if !missing.is_empty() && !is_enough(capture, session, missing.len()) {
         return Err(CheckError::MissingMarkers { missing });
     }
     session_labels(session).try_for_each(|label| check_subject(label, capture))?;
-    Ok(warnings(capture, session))
+    let mut warnings = absences(&missing, capture, session);
+    warnings.extend(oddities(capture, session));
+    Ok(warnings)
+}
+
+/// Whether a head and hair are left without the markers that are missing.
+fn is_enough(capture: &Capture, session: &Session, n_missing: usize) -> bool {
+    const LEAST_OF_HEAD: usize = 3;
+    let is_there = |label: &str| capture.trajectory(label).is_some();
+    let of_head = session.head_markers.iter().filter(|m| is_there(&m.label)).count();
+    let some_lock = session.strands.iter().flat_map(|s| &s.markers).any(|m| is_there(&m.label));
+    2 * n_missing <= session_labels(session).count() && of_head >= LEAST_OF_HEAD && some_lock
+}
+
+fn absences(missing: &[MissingMarker], capture: &Capture, session: &Session) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if !missing.is_empty() {
+        warnings.push(format!(
+            "markers of the session that are not in the capture count as never seen: {}",
+            list(missing)
+        ));
+    }
+    let is_there =
+        |strand: &StrandSpec| strand.markers.iter().any(|m| capture.trajectory(&m.label).is_some());
+    let without: Vec<&str> =
+        session.strands.iter().filter(|s| !is_there(s)).map(|s| s.name.as_str()).collect();
+    if !without.is_empty() {
+        warnings.push(format!("locks without a marker in the capture are left out: {}", without.join(", ")));
+    }
+    warnings
 }
 
 fn session_labels(session: &Session) -> impl Iterator<Item = &str> {
@@ -65,7 +98,7 @@ fn check_subject(label: &str, capture: &Capture) -> Result<(), CheckError> {
     Ok(())
 }
 
-fn warnings(capture: &Capture, session: &Session) -> Vec<String> {
+fn oddities(capture: &Capture, session: &Session) -> Vec<String> {
     let mut warnings = Vec::new();
     let mut warn = |text: String| warnings.push(text);
     if let Some(rate) = session.rate_hz
@@ -78,9 +111,16 @@ fn warnings(capture: &Capture, session: &Session) -> Vec<String> {
     if let Some((first, last)) =
         session.still_frames.filter(|(first, last)| !inside(*first) || !inside(*last))
     {
+        let all =
+            if session.still_range(capture.first_frame, capture.n_frames).is_some() { " all" } else { "" };
         warn(format!(
-            "still frames {first} to {last} are not all in the capture (frames {} to {last_frame})",
+            "still frames {first} to {last} are not{all} in the capture (frames {} to {last_frame})",
             capture.first_frame
+        ));
+    }
+    if let Some(start) = session.wind_start_frame.filter(|&start| start > last_frame) {
+        warn(format!(
+            "the wind starts about frame {start}, by the session; the capture ends with frame {last_frame}"
         ));
     }
     if let (Some(file), Some(session)) = (capture.up_axis, session.up_axis)
@@ -168,14 +208,39 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_marker_comes_with_its_nearest_label() {
-        let error = check(&["A", "B", "C", "S01_1", "s012", "*1"]).unwrap_err();
+    fn too_few_markers_come_with_their_nearest_labels() {
+        let error = check(&["A", "B", "S01_1", "s012", "*1"]).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "the session names markers that are not in the capture: S01_2 (the capture has s012)"
+            "the session names markers that are not in the capture: C, S01_2 (the capture has s012)"
         );
-        let error = check(&["B", "C", "S01_1", "S01_2"]).unwrap_err().to_string();
-        assert!(error.contains(": A"), "{error}");
+        for too_few in [&["B", "C", "S01_1", "S01_2"][..], &["A", "B", "C", "D"], &["D", "E"]] {
+            assert!(matches!(check(too_few), Err(CheckError::MissingMarkers { .. })), "{too_few:?}");
+        }
+    }
+
+    /// Half of ten are missing, a lock's only one among them.
+    #[test]
+    fn a_missing_marker_counts_as_never_seen() {
+        let lock = |name: &str, markers: &str| {
+            format!(
+                r#"{{"strand": "{name}", "length_mm": 200, "root_mm": [0, 0, 100], "markers": [{markers}]}}"#
+            )
+        };
+        let strands = [lock("S01", r#""a", "b""#), lock("S02", r#""c", "d", "e""#), lock("S03", r#""f""#)];
+        let text = format!(
+            r#"{{"head_markers_mm_in_head_frame": {{"A": [100, 0, 0], "B": [0, 80, 0], "C": [-100, 0, 0], "D": [0, 0, 9]}},
+                "strands": [{}]}}"#,
+            strands.join(", ")
+        );
+        let session = read_session(text.as_bytes()).unwrap();
+        assert_eq!(
+            check_against(&capture(&["A", "B", "C", "b", "e"]), &session).unwrap(),
+            [
+                "markers of the session that are not in the capture count as never seen: D, a, c, d, f",
+                "locks without a marker in the capture are left out: S03",
+            ],
+        );
     }
 
     #[test]
@@ -195,6 +260,22 @@ mod tests {
                 "the session says 100 frames a second, the capture 120",
                 "still frames 1 to 50 are not all in the capture (frames 1 to 1)",
                 "marker S01_2 is in the capture 2 times; the first is taken",
+            ]
+        );
+    }
+
+    #[test]
+    fn frames_that_are_not_there_are_warned_of() {
+        let frames = r#""still_frames": [0, 0], "wind_starts_about_frame": 2"#;
+        let session = SESSION
+            .replace("\"rate_hz\": 100", "\"rate_hz\": 120")
+            .replace("\"still_frames\": [1, 50]", frames);
+        let session = read_session(session.as_bytes()).unwrap();
+        assert_eq!(
+            check_against(&capture(&["A", "B", "C", "S01_1", "S01_2"]), &session).unwrap(),
+            [
+                "still frames 0 to 0 are not in the capture (frames 1 to 1)",
+                "the wind starts about frame 2, by the session; the capture ends with frame 1",
             ]
         );
     }

@@ -10,6 +10,8 @@ use tousle_core::UpAxis;
 pub(crate) struct Recording<'a> {
     pub format: CaptureFormat,
     pub rate_hz: Option<f64>,
+    /// Another rate that the file states, where its statements contradict one another.
+    pub other_rate_hz: Option<f64>,
     pub frames: Frames,
     /// The unit as the file writes it.
     pub unit: Option<String>,

@@ -41,7 +41,7 @@ use tousle_core::{
 /// | `fans[].to_azimuth_deg`, `.blows_towards_world`, `.program` | `None`, empty |
 /// | `air_density_kg_m3` | 1.2 kg/m³ |
 /// | `name` | `session` |
-/// | `still_frames` | with `wind_starts_about_frame`, all before it but for the last tenth; else `None`, and whoever prepares the capture looks for them in it |
+/// | `still_frames` | `None`: whoever prepares the capture takes those before `wind_starts_about_frame`, or looks for them in it |
 /// | `subject`, `rate_hz`, `units`, `up_axis`, `wind_starts_about_frame` | `None` |
 ///
 /// # Errors
@@ -60,11 +60,7 @@ pub fn read_session(bytes: &[u8]) -> Result<Session, SessionError> {
         rate_hz: file.rate_hz.map(|rate| positive("rate_hz", rate)).transpose()?,
         unit: file.units.as_deref().map(unit).transpose()?,
         up_axis: file.up_axis.as_deref().map(up_axis).transpose()?,
-        still_frames: match (file.still_frames, file.wind_starts_about_frame) {
-            (Some(frames), _) => Some(still_frames(frames)?),
-            (None, Some(start)) => defaults::still_frames(start).map(|default| assume(&mut assumed, default)),
-            (None, None) => None,
-        },
+        still_frames: file.still_frames.map(still_frames).transpose()?,
         wind_start_frame: file.wind_starts_about_frame,
         head_markers,
         body,

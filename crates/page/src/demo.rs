@@ -236,9 +236,6 @@ fn span_secs(page: &DemoPage<'_>) -> [f64; 2] {
 /// Where the player begins: just before the wind does, so that a reader need not wait through the still interval.
 fn start_secs(page: &DemoPage<'_>, [first, last]: [f64; 2]) -> f64 {
     const LEAD_SECS: f64 = 0.25;
-    let wind_start = page
-        .session
-        .wind_start_frame
-        .map(|frame| (frame.saturating_sub(page.capture.first_frame)) as f64 / page.capture.rate_hz);
+    let wind_start = page.session.wind_start_secs(page.capture.first_frame, page.capture.rate_hz);
     wind_start.map_or(first, |t| (t - LEAD_SECS).clamp(first, last.max(first)))
 }

@@ -44,7 +44,11 @@ fn head() -> HeadReport {
     };
     let residual = |f: usize| (!(40..50).contains(&f)).then_some(3e-4);
     HeadReport {
-        markers: vec![marker("LFHD", true), marker("LNCK", false)],
+        markers: vec![
+            marker("LFHD", true),
+            marker("LNCK", false),
+            MarkerReport { seen: 0.0, agreed: 0.0, ..marker("JAW", false) },
+        ],
         without_pose: vec![PoseGap {
             span: span(141, 150),
             n_visible: 2,
@@ -150,6 +154,8 @@ fn everything_that_was_found_is_on_the_page() {
         "No head pose in frames 141 to 150 (0.1 s): too few.",
         "Head marker NOSE carried the label LFHD in frames 160 to 170",
         "LNCK did not follow the head and was not used",
+        "No camera saw the head&#39;s JAW: the pose is told by the others.",
+        "no: it was never seen",
         "Could not be filled: S1_3 (never seen).",
         "Filled, but expected to be more than 7 mm off in part: S1_1.",
         "S1_1 and S1_2 had exchanged labels in frames 151 to 155 (0.05 s); mended.",

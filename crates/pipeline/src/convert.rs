@@ -91,6 +91,16 @@ pub enum ConvertError {
         /// Why.
         source: CheckError,
     },
+    /// Locks are seen that are not those of the session.
+    #[error("the session {session} does not fit the hair in the capture {capture}: {found}")]
+    OtherLocks {
+        /// The session file.
+        session: String,
+        /// The marker file.
+        capture: String,
+        /// Which locks, what was found of them and what was expected.
+        found: String,
+    },
     /// Nobody says which way is up, and gravity must point somewhere.
     #[error(
         "neither the capture nor the session says which axis is up: add \"up_axis\": \"Z\" (or X, Y) to the session"

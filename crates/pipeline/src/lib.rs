@@ -8,11 +8,13 @@
 mod attachments;
 mod convert;
 mod files;
+mod held;
 mod measure;
 mod merge;
 mod outputs;
 mod prepare;
 mod report;
+mod still;
 mod watch;
 
 pub use attachments::attachments;

@@ -19,21 +19,22 @@ struct Placed {
 }
 
 impl Outputs {
-    /// Writes a file beside where it will appear. All that can go wrong with a disk or a value does so here.
+    /// Writes a file beside where it will appear, and gives what `write` does. All that can go wrong with a disk or a value does so
+    /// here.
     ///
     /// # Errors
     /// [`FileError::Write`] with the path and the cause, be it the disk's or `write`'s own.
-    pub fn add<E>(
+    pub fn add<T, E>(
         &mut self,
         path: &Path,
-        write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
-    ) -> Result<(), FileError>
+        write: impl FnOnce(&mut BufWriter<&File>) -> Result<T, E>,
+    ) -> Result<T, FileError>
     where
         E: Into<Box<dyn std::error::Error + Send + Sync>>,
     {
-        let ((), staged) = stage(path, write).map_err(|source| cannot_write(path, source))?;
+        let (value, staged) = stage(path, write).map_err(|source| cannot_write(path, source))?;
         self.staged.push((path.to_owned(), staged));
-        Ok(())
+        Ok(value)
     }
 
     /// Gives all files their names. If one cannot have its name, all are gone and what was there before is back.
@@ -114,7 +115,7 @@ mod tests {
         let mut outputs = Outputs::default();
         add(&mut outputs, &a, "new").unwrap();
         add(&mut outputs, &b, "new").unwrap();
-        assert!(outputs.add(&c, |_| Err(io::Error::other("the disk is on fire"))).is_err());
+        assert!(outputs.add(&c, |_| Err::<(), _>(io::Error::other("the disk is on fire"))).is_err());
         drop(outputs);
         assert_eq!((fs::read(&a).unwrap().as_slice(), names()), (&b"old"[..], 1), "not all could be written");
         // The last cannot have its name: a folder with something in it has it.

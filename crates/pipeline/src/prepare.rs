@@ -1,8 +1,8 @@
 use crate::report::{CaptureSummary, QualityReport};
-use crate::{ConvertError, Input, Watch};
+use crate::{ConvertError, Input, Watch, held, still};
 use tousle_clean::{CleanOptions, Cleaned};
-use tousle_core::{Assumption, Capture, HeadCapture, Sample, Session};
-use tousle_head::{HeadOptions, Located, StillFound};
+use tousle_core::{Capture, HeadCapture, Sample, Session};
+use tousle_head::{HeadOptions, Located};
 use tousle_ingest::{IngestOptions, Ingested};
 
 /// How a capture is read, seen from the head, and cleaned.
@@ -84,16 +84,19 @@ pub fn prepare(
     ingested.report.warnings.extend(warnings);
 
     let stage = watch.stage("head");
+    still::settle(&mut known, &ingested.capture);
     let locate = |known: &Session| tousle_head::locate_head(&ingested.capture, known, &options.head);
     let mut located = locate(&known)?;
-    if known.still_frames.is_none()
-        && let Some(still) = tousle_head::find_still(&located.head)
-    {
-        known.still_frames = Some((still.span.first_frame, still.span.last_frame));
-        known.assumed.push(hangs_still(&still));
+    if still::find(&mut known, &located.head) {
         // At rest the head's own shape is seen better than hands measured it.
         located = locate(&known)?;
     }
+    let odd = held::hold_against(&known, &located).map_err(|found| ConvertError::OtherLocks {
+        session: session_name(),
+        capture: capture.name.to_owned(),
+        found,
+    })?;
+    ingested.report.warnings.extend(odd);
     drop(stage);
 
     let stage = watch.stage("clean");
@@ -110,20 +113,6 @@ pub fn prepare(
         clean: cleaned.as_ref().map(|cleaned| cleaned.report.clone()),
     };
     Ok(Prepared { session: known, ingested, located, cleaned, quality })
-}
-
-/// What is said of still frames that nobody named.
-fn hangs_still(still: &StillFound) -> Assumption {
-    Assumption {
-        what: "still_frames".to_owned(),
-        value: format!("[{}, {}]", still.span.first_frame, still.span.last_frame),
-        // Rounded up, to a tenth of a millimeter.
-        why: format!(
-            "within a quarter of a second the locks move by less than {:.1} mm there, and by {:.0} mm where they move most",
-            ((still.moves_m * 1e4).floor() + 1.0) / 10.0,
-            still.moves_else_m * 1e3
-        ),
-    }
 }
 
 fn read_capture(

@@ -1,6 +1,6 @@
 use crate::line::{Line, Lines, Separator, filled_len};
 use crate::{Header, TrcError, header};
-use tousle_cells::{Numbers, plain, text, whole};
+use tousle_cells::{Decimals, Numbers, plain, text, whole};
 
 /// A TRC file.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +13,8 @@ pub struct Trc {
     pub times_secs: Vec<Option<f64>>,
     /// The markers that have a label, in the file's order.
     pub markers: Vec<Marker>,
+    /// Frames that the header claims and whole rows that are there, of a file with fewer rows that has no end of its last line.
+    pub cut: Option<(u64, u64)>,
     /// What was odd but could be read.
     pub warnings: Vec<String>,
 }
@@ -75,6 +77,11 @@ struct Body {
     /// A full table has at least three bytes a position; far more positions than bytes mean that most are not there.
     most_positions: usize,
     numbers: Numbers,
+    /// Those of the last marker's last coordinate.
+    last_decimals: Decimals,
+    /// Line and whole rows where the file ends without the end of a line.
+    open_at: Option<(u64, u64)>,
+    lost_digits: bool,
     frames: Vec<i64>,
     times_secs: Vec<Option<f64>>,
     positions: Vec<Vec<Option<[f64; 3]>>>,
@@ -109,6 +116,9 @@ impl Body {
             labels,
             most_positions: file_len.saturating_mul(2),
             numbers: Numbers::default(),
+            last_decimals: Decimals::default(),
+            open_at: None,
+            lost_digits: false,
             frames: Vec::new(),
             times_secs: Vec::new(),
             short_rows: Tally::default(),
@@ -144,8 +154,7 @@ impl Body {
             return Err(TrcError::line(line.number, found, format!("{width} cells")));
         }
         self.times_secs.push(self.numbers.read(cell(1)).map_err(|expected| bad(1, expected))?);
-        // The last number of a line that was cut off may have lost digits without showing it.
-        let complete = if open && cells.len() < width { cells.len() - 1 } else { usize::MAX };
+        let complete = self.complete(line, cells, width, open);
         for (k, positions) in self.positions.iter_mut().enumerate() {
             let mut xyz = [None; 3];
             for (axis, value) in xyz.iter_mut().enumerate() {
@@ -160,6 +169,24 @@ impl Body {
             self.half_positions += usize::from(xyz.iter().flatten().count() % 3 != 0);
         }
         Ok(())
+    }
+
+    /// How many cells of a row are there as they were written.
+    fn complete(&mut self, line: &Line<'_>, cells: &[&[u8]], width: usize, open: bool) -> usize {
+        let last = cells.get(width - 1).copied().unwrap_or_default();
+        // The last number of a line that was cut off may have lost digits without showing it.
+        let is_short = cells.len() < width;
+        self.lost_digits = open && cells.len() == width && self.last_decimals.lost_some(last);
+        self.last_decimals.see(last);
+        if open {
+            let n_whole = self.frames.len() - usize::from(is_short || self.lost_digits);
+            self.open_at = Some((line.number, n_whole as u64));
+        }
+        match (open && is_short, self.lost_digits) {
+            (true, _) => cells.len() - 1,
+            (false, true) => width - 1,
+            (false, false) => usize::MAX,
+        }
     }
 
     fn check_width(&mut self, line: &Line<'_>, cells: &[&[u8]], width: usize) -> Result<(), TrcError> {
@@ -201,8 +228,12 @@ impl Body {
         if let Some(claimed) = header.n_frames.filter(|&n| usize::try_from(n) != Ok(n_frames)) {
             warnings.push(format!("NumFrames is {claimed}, {n_frames} rows are there"));
         }
+        // A wrong count alone says nothing, nor does a line without an end: many programs write either.
+        let claimed = header.n_frames.and_then(|n| u64::try_from(n).ok());
+        let cut = claimed.zip(self.open_at).filter(|(n, _)| *n > n_frames as u64);
+        let cut = cut.map(|(claimed, (_, n_whole))| (claimed, n_whole));
         let markers = named.into_iter().map(|(label, positions)| Marker { label, positions }).collect();
-        Ok(Trc { header, frames: self.frames, times_secs: self.times_secs, markers, warnings })
+        Ok(Trc { header, frames: self.frames, times_secs: self.times_secs, markers, cut, warnings })
     }
 
     fn oddities(&self) -> Vec<String> {
@@ -217,6 +248,11 @@ impl Body {
         if n > 0 {
             warnings.push(format!(
                 "{n} lines, the first of them line {first_line}, hold coordinates without a label; they are left out"
+            ));
+        }
+        if let Some((line, _)) = self.open_at.filter(|_| self.lost_digits) {
+            warnings.push(format!(
+                "line {line} has no end, and its last number fewer decimals than all above it: it counts as missing"
             ));
         }
         if self.half_positions > 0 {

@@ -1,10 +1,11 @@
-use super::{check_output, name, only_with, print_json, quality, read_options, write_eff, write_options};
+use super::{add_eff, check_output, name, only_with, print_json, quality, read_options, write_options};
 use crate::args::{ConvertArgs, MethodArg, ReadingArg};
 use crate::ui::Outcome;
 use std::fmt::Write;
 use tousle_clean::CleanOptions;
 use tousle_fit::{FitMethod, FitOptions, PaperOptions, PaperReading, PaperSpan, PhysicalOptions};
-use tousle_pipeline::{ConversionReport, ConvertOptions, Input, PrepareOptions, Watch, read_file};
+use tousle_page::decimals;
+use tousle_pipeline::{ConversionReport, ConvertOptions, Input, Outputs, PrepareOptions, Watch, read_file};
 use tousle_refine::RefineOptions;
 
 /// `tousle convert`
@@ -23,8 +24,10 @@ pub fn run(args: &ConvertArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         &options,
         watch,
     )?;
-    let written = write_eff(&converted.eff, &args.output, &pack, watch)?;
-    quality::write_reports(&args.report, &args.capture, &converted.prepared)?;
+    let mut outputs = Outputs::default();
+    let written = add_eff(&mut outputs, &converted.eff, &args.output, &pack, watch)?;
+    quality::add_reports(&mut outputs, &args.report, &args.capture, &converted.prepared)?;
+    outputs.appear()?;
     let report = &converted.report;
     if args.json {
         print_json(report)?;
@@ -113,13 +116,14 @@ pub fn summary(report: &ConversionReport) -> String {
         let stiffness = range(found.locks.iter().map(|lock| lock.stiffness_n_m2 * 1e6).collect());
         let learnt = report.refine.as_ref().is_some_and(|refined| refined.kept > 0);
         let drag = range(found.locks.iter().map(|lock| lock.drag_scale).collect());
+        // What rounds to nothing is 0, not -0.
         line(
             "air",
             format!(
-                "{:.1} m/s far away on average, {:.0} % less in the wake, {:.0} mm of slow air at the scalp",
-                found.outside_mps,
-                found.wake * 100.0,
-                found.layer_m * 1e3
+                "{} m/s far away on average, {} % less in the wake, {} mm of slow air at the scalp",
+                decimals(found.outside_mps, 1),
+                decimals(found.wake * 100.0, 0),
+                decimals(found.layer_m * 1e3, 0)
             ),
         );
         line(

@@ -8,11 +8,14 @@ pub fn ending(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
-/// Refuses an output whose ending is none of these, that is a file which is read, or that lies in a folder which is not
+/// Refuses an output whose ending is none of these, that is a file which is read or a folder, or that lies in a folder which is not
 /// there. Every command that writes asks this first, so that nobody waits for work that cannot be kept.
 pub fn check_output(output: &Path, endings: &[&str], inputs: &[&Path]) -> anyhow::Result<()> {
     check_ending(output, endings)?;
     check_apart(output, inputs)?;
+    if output.is_dir() {
+        wrong!("output {}: found a folder of that name, expected a file or nothing", output.display());
+    }
     check_folder(output)
 }
 

@@ -5,21 +5,33 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use tousle_core::FrameSpan;
 use tousle_page::{QualityPage, quality_page};
-use tousle_pipeline::{Prepared, QualityReport, write_whole};
+use tousle_pipeline::{Outputs, Prepared, QualityReport};
 
 /// Refuses report files that are neither a page nor JSON, or cannot be written, before any work is done.
 pub fn check_reports(paths: &[PathBuf], inputs: &[&Path]) -> anyhow::Result<()> {
     check_outputs(paths, &["html", "json"], inputs)
 }
 
-/// Writes the quality report to each path, as its ending asks.
+/// Writes the quality report to each path, as its ending asks, to all or to none.
 pub fn write_reports(paths: &[PathBuf], capture: &Path, prepared: &Prepared) -> anyhow::Result<()> {
+    let mut outputs = Outputs::default();
+    add_reports(&mut outputs, paths, capture, prepared)?;
+    Ok(outputs.appear()?)
+}
+
+/// The same, together with other files.
+pub fn add_reports(
+    outputs: &mut Outputs,
+    paths: &[PathBuf],
+    capture: &Path,
+    prepared: &Prepared,
+) -> anyhow::Result<()> {
     for path in paths {
         let bytes = match ending(path).as_str() {
             "json" => serde_json::to_vec_pretty(&prepared.quality)?,
             _ => page(capture, prepared).into_bytes(),
         };
-        write_whole(path, |out| std::io::Write::write_all(out, &bytes))?;
+        outputs.add(path, |out| std::io::Write::write_all(out, &bytes))?;
     }
     Ok(())
 }
@@ -101,10 +113,15 @@ pub fn summary(report: &QualityReport) -> String {
 fn head_line(report: &QualityReport) -> String {
     let head = &report.head;
     let trusted = head.markers.iter().filter(|m| m.trusted).count();
-    let left_out: Vec<&str> = head.markers.iter().filter(|m| !m.trusted).map(|m| m.label.as_str()).collect();
     let mut words = format!("{trusted} of {} markers follow it", head.markers.len());
-    if !left_out.is_empty() {
-        let _ = write!(words, " (left out: {})", left_out.join(", "));
+    let never_seen = head.markers.iter().filter(|m| m.is_never_seen());
+    let left_out = head.markers.iter().filter(|m| m.is_left_out());
+    let labels = [
+        ("left out", left_out.map(|m| m.label.as_str()).collect::<Vec<_>>()),
+        ("never seen", never_seen.map(|m| m.label.as_str()).collect()),
+    ];
+    for (what, labels) in labels.iter().filter(|(_, labels)| !labels.is_empty()) {
+        let _ = write!(words, " ({what}: {})", labels.join(", "));
     }
     if let Some(residual_m) = head.fit_residual_m {
         let _ = write!(words, ", fit residual {:.2} mm", residual_m * 1e3);

@@ -56,6 +56,31 @@ fn the_same_file_in_other_clothes() {
     }));
 }
 
+/// Cut within its last number, which has six digits in all rows above.
+#[test]
+fn a_number_that_was_cut_counts_as_missing() {
+    let row = |k: usize| format!("{k},0,165.1,331.8,1508.1,1.5,2.5,1345.1{}\r\n", k % 10);
+    let text = NEXUS.split("695,").next().unwrap().to_owned() + &(1..41).map(row).collect::<String>();
+    let last = |cell: &str, end: &str| {
+        let file = read(format!("{text}41,0,165.1,331.8,1508.1,1.5,2.5,{cell}{end}").as_bytes()).unwrap();
+        let [head, nose] = &trajectories(&file).table.points[..] else { panic!("two points") };
+        assert_eq!(head.positions[40], Some([165.1, 331.8, 1508.1]));
+        (nose.positions[40], file.warnings)
+    };
+    let (position, warnings) = last("134", "");
+    assert_eq!(position, None);
+    assert!(
+        warnings[0].ends_with(
+            "line 46 has no end, and its last number fewer decimals than all above it: it counts as missing"
+        ),
+        "{warnings:?}"
+    );
+    for (cell, end) in [("1345.12", ""), ("134", "\r\n"), ("1345.123", "")] {
+        let (position, warnings) = last(cell, end);
+        assert!(position.is_some() && warnings.is_empty(), "{cell}: {warnings:?}");
+    }
+}
+
 /// What Nexus writes when everything is ticked; sections with rates of their own.
 const ALL_SECTIONS: &str = "Events,,,,\r\n100,,,,\r\n\
     Subject,Context,Name,Time (s),Description\r\nWig,Right,Foot Strike,1.23,\r\nWig,Left,Foot Off,1.5,\r\n\r\n\

@@ -53,8 +53,7 @@ pub(crate) struct FanWind {
 /// Wind from the fans at every step.
 pub(crate) fn fan_wind(problem: &Problem<'_>) -> Vec<FanWind> {
     let Problem { session, head, clock, rest_pose, .. } = problem;
-    let start_secs =
-        session.wind_start_frame.map_or(f64::NEG_INFINITY, |f| (f - head.first_frame) as f64 / head.rate_hz);
+    let start_secs = session.wind_start_secs(head.first_frame, head.rate_hz).unwrap_or(f64::NEG_INFINITY);
     (0..clock.n_steps)
         .map(|k| {
             let time_secs = clock.time_secs(k);

@@ -47,6 +47,35 @@ fn only_one_subject() {
     assert_eq!(names(&read(&bare, &of("Wig")).capture).len(), 4);
 }
 
+/// A header and a parameter that disagree; whoever was there decides, if what he says is one of the two.
+#[test]
+fn a_rate_that_is_given_decides_between_two() {
+    let labels = vec!["A".to_owned()];
+    let (rate_hz, unit) = (100.0, Some("mm".to_owned()));
+    let trial = tousle_c3d::Trial { rate_hz, unit, labels, n_frames: 1, ..tousle_c3d::Trial::default() };
+    let mut writer = tousle_c3d::Writer::new(Vec::new(), &trial).unwrap();
+    writer.write_frame(&[Some(tousle_c3d::Point::at([1.0, 2.0, 3.0]))]).unwrap();
+    let mut bytes = writer.finish().unwrap();
+    // The header's word 11.
+    bytes[20..24].copy_from_slice(&120.0_f32.to_le_bytes());
+    let read = |rate_hz| {
+        let ingested = read_capture(&bytes, &IngestOptions { rate_hz, ..IngestOptions::default() }).unwrap();
+        (ingested.capture.rate_hz, ingested.report.warnings.last().cloned().unwrap())
+    };
+    let contradiction = "rate: the header says 120, POINT:RATE says 100, 120 is used".to_owned();
+    assert_eq!(read(None), (120.0, contradiction.clone()));
+    assert_eq!(read(Some(120.0)), (120.0, contradiction));
+    let (rate_hz, warning) = read(Some(100.0));
+    assert_eq!(rate_hz, 100.0);
+    assert_eq!(
+        warning,
+        "the file says 120 frames a second and 100, 100 was given; read as 100, which two say"
+    );
+    let (rate_hz, warning) = read(Some(50.0));
+    assert_eq!(rate_hz, 120.0);
+    assert_eq!(warning, "the file says 120 frames a second, 50 was given; read as the file says");
+}
+
 #[test]
 fn a_unit_is_never_guessed() {
     let meters = Some(LengthUnit::Meter);

@@ -1,6 +1,6 @@
 use super::{Frames, Point, Positions, Recording, Role};
 use crate::{CaptureFormat, IngestError, OtherContent};
-use tousle_c3d::{Info, Reader, Warning};
+use tousle_c3d::{Info, Quantity, Reader, Warning};
 use tousle_core::UpAxis;
 
 /// The points of a C3D; analog channels, events and rotations are named.
@@ -10,6 +10,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
     Ok(Recording {
         format: CaptureFormat::C3d,
         rate_hz: info.rate_hz,
+        other_rate_hz: reader.warnings().iter().find_map(other_rate_hz),
         frames: Frames::From { first: i64::from(info.first_frame), n_rows: info.n_frames },
         unit: info.unit.clone(),
         up_axis: info.y_screen.as_deref().and_then(UpAxis::from_name),
@@ -24,6 +25,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
 fn cut(warning: &Warning) -> Option<(u64, u64)> {
     match warning {
         Warning::CutShort { claimed, found } => Some((*claimed, *found)),
+        _ => None,
+    }
+}
+
+/// What POINT:RATE says, where the header says otherwise and is believed.
+fn other_rate_hz(warning: &Warning) -> Option<f64> {
+    match warning {
+        Warning::Contradiction { quantity: Quantity::Rate, stated, .. } => Some(*stated),
         _ => None,
     }
 }

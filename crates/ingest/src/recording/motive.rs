@@ -23,6 +23,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
     Ok(Recording {
         format: CaptureFormat::MotiveCsv,
         rate_hz,
+        other_rate_hz: None,
         frames: Frames::listed(file.table.frames),
         unit: file.unit,
         up_axis: None,

@@ -14,6 +14,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
     Ok(Recording {
         format: CaptureFormat::Trc,
         rate_hz,
+        other_rate_hz: None,
         frames: Frames::listed(trc.frames),
         unit: trc.header.unit,
         up_axis: None,
@@ -21,7 +22,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
         positions: Positions::Table(trc.markers.into_iter().map(|marker| marker.positions).collect()),
         other: Vec::new(),
         warnings,
-        cut: None,
+        cut: trc.cut,
     })
 }
 

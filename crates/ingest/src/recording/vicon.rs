@@ -30,6 +30,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
     Ok(Recording {
         format,
         rate_hz: main.rate_hz,
+        other_rate_hz: None,
         frames,
         unit,
         up_axis: None,

@@ -48,19 +48,6 @@ pub(super) fn name() -> (String, Assumption) {
     ("session".into(), assumption("name", "session", "a name for reports"))
 }
 
-/// The frames before the wind starts, but for the last tenth, as nobody knows to the frame when it does.
-pub(super) fn still_frames(wind_start: i64) -> Option<((i64, i64), Assumption)> {
-    let last = wind_start - 1 - wind_start / 10;
-    (last > 0).then(|| {
-        let assumption = Assumption {
-            what: "still_frames".to_owned(),
-            value: format!("[0, {last}]"),
-            why: format!("hair hangs still until the wind starts, about frame {wind_start}"),
-        };
-        ((0, last), assumption)
-    })
-}
-
 /// Dry air at 20 °C and 1013 hPa, kg/m³.
 pub(super) fn air_density() -> (f64, Assumption) {
     (1.2, assumption("air_density_kg_m3", "1.2 kg/m³", "dry air at 20 °C and 1013 hPa"))

@@ -160,15 +160,16 @@ fn a_bare_session_gets_defaults_that_are_all_listed() {
     assert_eq!(session.strands[0].markers[0].distance_from_root_m, None);
 }
 
-/// Who says when the wind starts says when hair hung still.
+/// Who says when the wind starts says when hair hung still; but which frames these are the capture must tell.
 #[test]
-fn hair_is_still_before_the_wind() {
-    let session = read_session(
-        JSON.replace("\"still_frames\": [1, 120],", "\"wind_starts_about_frame\": 121,").as_bytes(),
-    )
-    .unwrap();
-    assert_eq!(session.still_frames, Some((0, 108)));
-    assert!(session.assumed.iter().any(|assumption| assumption.what == "still_frames"));
+fn the_start_of_the_wind_gives_no_still_frames_without_a_capture() {
+    for start in [121, i64::MIN, i64::MAX] {
+        let start_at = format!("\"wind_starts_about_frame\": {start},");
+        let session =
+            read_session(JSON.replace("\"still_frames\": [1, 120],", &start_at).as_bytes()).unwrap();
+        assert_eq!((session.still_frames, session.wind_start_frame), (None, Some(start)));
+        assert!(session.assumed.iter().all(|assumption| assumption.what != "still_frames"));
+    }
 }
 
 #[test]

@@ -85,13 +85,20 @@ fn head(page: &QualityPage<'_>, found: &mut Vec<Finding>) {
         found.push(Finding { weight: Weight::Changed, text });
     }
     let left_out: Vec<&str> =
-        page.head.markers.iter().filter(|m| !m.trusted).map(|m| m.label.as_str()).collect();
+        page.head.markers.iter().filter(|m| m.is_left_out()).map(|m| m.label.as_str()).collect();
     if !left_out.is_empty() {
         let text = format!(
             "{} did not follow the head and {} not used for its pose.",
             named(&left_out),
             if left_out.len() == 1 { "was" } else { "were" }
         );
+        found.push(Finding { weight: Weight::Look, text });
+    }
+    let never_seen: Vec<&str> =
+        page.head.markers.iter().filter(|m| m.is_never_seen()).map(|m| m.label.as_str()).collect();
+    if !never_seen.is_empty() {
+        let text =
+            format!("No camera saw the head's {}: the pose is told by the others.", named(&never_seen));
         found.push(Finding { weight: Weight::Look, text });
     }
 }

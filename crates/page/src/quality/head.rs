@@ -141,13 +141,21 @@ fn timeline(page: &QualityPage<'_>) -> Timeline {
     }
 }
 
+fn used(marker: &MarkerReport) -> &'static str {
+    match (marker.is_never_seen(), marker.is_left_out()) {
+        (true, _) => "no: it was never seen",
+        (false, true) => "no: it does not follow the head",
+        (false, false) => "yes",
+    }
+}
+
 fn table(page: &QualityPage<'_>) -> Table {
     let row = |m: &MarkerReport| {
         vec![
             Cell::Code(m.label.clone()),
             Cell::Share(m.seen),
             Cell::Share(m.agreed),
-            Cell::Text(if m.trusted { "yes" } else { "no: it does not follow the head" }.to_owned()),
+            Cell::Text(used(m).to_owned()),
             Cell::Number(decimals(m.correction_m * 1e3, 1)),
         ]
     };

@@ -100,6 +100,29 @@ fn a_line_that_was_cut_off_gives_no_cut_numbers() {
     assert_eq!(trc.markers[0].positions, [Some([165.1, 331.8, 1508.1]), None]);
 }
 
+/// The header claims 600 frames, the 41st breaks off: within the row, or within its last number.
+#[test]
+fn a_file_that_was_cut_off_says_so() {
+    let header = TRC.split("7\t0.00").next().unwrap().replace("\t2\t2\tmm", "\t600\t2\tmm");
+    let row = |k: usize| format!("{k}\t0.0{k}\t1.5\t2.5\t3.5\t4.5\t5.5\t6.5{}\n", k % 10);
+    let whole: String = header + &(1..41).map(row).collect::<String>();
+    let cut = |last: &str| {
+        let trc = read(format!("{whole}{last}").as_bytes()).unwrap();
+        (trc.cut, trc.markers[1].positions.last().copied().flatten())
+    };
+    assert_eq!(cut(""), (None, Some([4.5, 5.5, 6.5])), "a wrong count, it may be");
+    assert_eq!(cut("41\t0.41\t1.5\t2.5\t3.5\t4.5\t5"), (Some((600, 40)), None));
+    assert_eq!(cut("41\t0.41\t1.5\t2.5\t3.5\t4.5\t5.5\t6.5"), (Some((600, 40)), None));
+    assert_eq!(cut("41\t0.41\t1.5\t2.5\t3.5\t4.5\t5.5\t6.50"), (Some((600, 41)), Some([4.5, 5.5, 6.5])));
+    let trc = read(whole.replace("\t600\t", "\t40\t").trim_end().as_bytes()).unwrap();
+    assert_eq!((trc.cut, trc.warnings), (None, vec![]), "many programs write no end of the last line");
+    let lost = read(format!("{whole}41\t0.41\t1.5\t2.5\t3.5\t4.5\t5.5\t6").as_bytes()).unwrap();
+    assert_eq!(
+        lost.warnings[0],
+        "line 47 has no end, and its last number fewer decimals than all above it: it counts as missing"
+    );
+}
+
 #[test]
 fn decimal_commas_between_commas_are_refused() {
     let text = TRC.replace(['.', '\t'], ",");

@@ -33,6 +33,9 @@ pub(super) fn run(args: &InspectArgs, bytes: &[u8], watch: &dyn Watch) -> anyhow
             say!("{}", table(&summary));
             if let Some(quality) = quality {
                 say!("\n{}", quality::summary(quality));
+                // What the file alone brings up stands in the table.
+                let of_session = quality.ingest.warnings.iter().filter(|w| !summary.warnings.contains(w));
+                of_session.for_each(|warning| sayln!("{:>10}  {warning}", "warning"));
             }
         }
     }

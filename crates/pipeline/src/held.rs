@@ -1,0 +1,205 @@
+//! What a session says, held against what is seen once the head is known.
+//!
+//! Hair bends and does not stretch: from its root to a marker on it no lock is seen to be longer than it is, and one with markers
+//! down to its tip not much shorter. Limits are wide enough for hands that measure to a centimeter and for hair that is not straight
+//! between two markers; what lies beyond them is another unit, another lock, or a slip of the pen.
+
+use nalgebra::{ComplexField, RealField};
+use tousle_core::{Fan, HeadCapture, Pose, Session, StrandSpec, Track, Vec3};
+use tousle_head::{Located, MarkerReport};
+
+/// How much longer than the hair the way along the markers may seem: a tape is laid along hair with an error of some percent, and
+/// two places on it are off by a centimeter together.
+const MOST_SEEN: f64 = 1.25;
+const MEASURING_SLACK_M: f64 = 0.01;
+
+/// How short the way along the markers may be for hair of 1: between two markers half a circle is 0.64 of its arc. A single marker
+/// halfway down a lock, taken for its tip as nobody measured where it is, is told too.
+const LEAST_SEEN: f64 = 0.6;
+
+/// Beyond this ratio nothing fits: the lock is another one, or its lengths are in another unit.
+const MOST_RATIO: f64 = 4.0;
+
+/// How far down a lock its last marker sits, at least: what hangs below is not seen to move, and is made up.
+const LEAST_REACH: f64 = 0.5;
+
+/// A root farther than this from all head markers and from the head's center is not on a head, m.
+const FARTHEST_ROOT_M: f64 = 0.3;
+
+/// How far a head marker's still mean may be from the session's place before someone should look, m: ten times what hands measure wrong.
+const MOST_CORRECTION_M: f64 = 0.02;
+
+/// How far the two directions that a session gives for one fan may be apart, rad: a fan's azimuth is set by eye.
+const MOST_FAN_ANGLE: f64 = 20.0 * std::f64::consts::PI / 180.0;
+
+/// Warnings of all that can be used and does not fit; the error is a list of the locks of which nothing fits.
+pub(crate) fn hold_against(session: &Session, located: &Located) -> Result<Vec<String>, String> {
+    let mut warnings = head_markers(&located.report.markers);
+    warnings.extend(locks(session, &located.head)?);
+    let is_rest_known = session.still_range(located.head.first_frame, located.head.n_frames()).is_some();
+    if is_rest_known || !located.report.pose_track.moves {
+        warnings.extend(fans(session, &located.tracked.rest_pose));
+    }
+    Ok(warnings)
+}
+
+fn head_markers(markers: &[MarkerReport]) -> Vec<String> {
+    let far = markers.iter().filter(|m| m.correction_m > MOST_CORRECTION_M);
+    far.map(|m| {
+        format!(
+            "head marker {}: found it {:.0} mm from its place in the session while all stood still, expected a few mm: what was seen is \
+             believed, if the label is right",
+            m.label,
+            m.correction_m * 1e3
+        )
+    })
+    .collect()
+}
+
+/// A lock's way from its root along the markers that are seen, and what the session says of it.
+struct Way<'a> {
+    last_marker: &'a str,
+    /// As it is seen in most frames, m.
+    seen_m: f64,
+    /// As it is seen where it is shortest, m: hair never stretches, and labels that were exchanged for a while make it seem so.
+    least_seen_m: f64,
+    /// As the session has it, m.
+    hair_m: f64,
+    /// The first stretch between neighbors that is seen to be longer than its hair: to which marker, seen and said, m.
+    stretched: Option<(&'a str, f64, f64)>,
+}
+
+fn locks(session: &Session, head: &HeadCapture) -> Result<Vec<String>, String> {
+    let mut warnings = Vec::new();
+    let (mut n_ways, mut too_long, mut too_short) = (0, Vec::new(), Vec::new());
+    for tracks in &head.strands {
+        let spec = &session.strands[tracks.strand_idx];
+        let name = &spec.name;
+        let root_m = far_root_m(spec, session);
+        if let Some(far_m) = root_m {
+            warnings.push(format!(
+                "lock {name}: found its root (`root_mm`) {far_m:.2} m from the head's markers and center, expected it on the scalp"
+            ));
+        }
+        let measured = spec.markers.last().and_then(|m| m.distance_from_root_m);
+        if let Some(last_m) = measured.filter(|last_m| *last_m < LEAST_REACH * spec.length_m) {
+            warnings.push(format!(
+                "lock {name}: found its last marker {:.0} mm down a lock of {:.0} mm (`length_mm`), expected markers to near the tip",
+                last_m * 1e3,
+                spec.length_m * 1e3
+            ));
+        }
+        let Some(way) = way(spec, &tracks.markers).filter(|_| root_m.is_none()) else { continue };
+        n_ways += 1;
+        let field = if measured.is_some() { "marker_distance_from_root_mm" } else { "length_mm" };
+        let words = |seen_m: f64| {
+            format!(
+                "lock {name}: found {:.0} mm from its root along its markers to {}, expected {:.0} mm (`{field}`)",
+                seen_m * 1e3,
+                way.last_marker,
+                way.hair_m * 1e3
+            )
+        };
+        if way.hair_m > MOST_RATIO * way.seen_m {
+            too_long.push(words(way.seen_m));
+        } else if way.least_seen_m > MOST_RATIO * way.hair_m {
+            too_short.push(words(way.least_seen_m));
+        } else if way.seen_m < LEAST_SEEN * way.hair_m {
+            warnings.push(words(way.seen_m));
+        } else if way.least_seen_m > MOST_SEEN * way.hair_m + MEASURING_SLACK_M {
+            warnings.push(words(way.least_seen_m));
+        } else if let Some((marker, seen_m, hair_m)) = way.stretched {
+            warnings.push(format!(
+                "lock {name}: found marker {marker} {:.0} mm from what is before it, expected at most the {:.0} mm of hair between them \
+                 (`{field}`)",
+                seen_m * 1e3,
+                hair_m * 1e3
+            ));
+        }
+    }
+    // A lock that is much longer than its hair can be a label on something else; if most are, it is the session.
+    if !too_long.is_empty() || 2 * too_short.len() > n_ways {
+        too_long.append(&mut too_short);
+        return Err(several(&too_long));
+    }
+    warnings.append(&mut too_short);
+    Ok(warnings)
+}
+
+/// The first few of many, and how many more.
+fn several(found: &[String]) -> String {
+    const MOST: usize = 3;
+    let shown = found.iter().take(MOST).cloned().collect::<Vec<_>>().join("; ");
+    match found.len().checked_sub(MOST) {
+        Some(more @ 1..) => format!("{shown}; and {more} locks more"),
+        _ => shown,
+    }
+}
+
+/// How far a root is from all that is known to be on the head, m, if that is too far.
+fn far_root_m(spec: &StrandSpec, session: &Session) -> Option<f64> {
+    let on_head = session.head_markers.iter().map(|m| m.position_m).chain([Vec3::zeros()]);
+    let nearest_m = on_head.map(|p| (p - spec.root_m).norm()).fold(f64::INFINITY, f64::min);
+    (nearest_m > FARTHEST_ROOT_M).then_some(nearest_m)
+}
+
+/// The distances from the root to the first marker that was seen, and from each to the next. `None` if none was.
+fn way<'a>(spec: &'a StrandSpec, tracks: &[Track]) -> Option<Way<'a>> {
+    let n_markers = spec.markers.len();
+    let place_m = |idx: usize| {
+        let evenly = spec.length_m * (idx + 1) as f64 / n_markers as f64;
+        spec.markers[idx].distance_from_root_m.unwrap_or(evenly)
+    };
+    let mut way: Option<Way<'_>> = None;
+    let mut before: Option<usize> = None;
+    for (idx, track) in tracks.iter().enumerate() {
+        let from = |frame: usize| before.map_or(Some(spec.root_m), |b| tracks[b].at(frame));
+        let seen = (0..track.n_frames()).filter_map(|f| Some((track.at(f)? - from(f)?).norm()));
+        let Some([least_m, step_m]) = tenth_and_half(seen.collect()) else { continue };
+        let label = &*spec.markers[idx].label;
+        let step_hair_m = place_m(idx) - before.map_or(0.0, place_m);
+        let is_measured = spec.markers[idx].distance_from_root_m.is_some();
+        let is_stretched = is_measured && least_m > MOST_SEEN * step_hair_m + MEASURING_SLACK_M;
+        let stretched = is_stretched.then_some((label, least_m, step_hair_m));
+        let so_far = way.take();
+        way = Some(Way {
+            last_marker: label,
+            seen_m: so_far.as_ref().map_or(0.0, |w| w.seen_m) + step_m,
+            least_seen_m: so_far.as_ref().map_or(0.0, |w| w.least_seen_m) + least_m,
+            hair_m: place_m(idx),
+            stretched: so_far.and_then(|w| w.stretched).or(stretched),
+        });
+        before = Some(idx);
+    }
+    way
+}
+
+/// What a tenth of the values is below, and what half of them is; `None` without any.
+fn tenth_and_half(mut values: Vec<f64>) -> Option<[f64; 2]> {
+    values.sort_by(f64::total_cmp);
+    Some([*values.get(values.len() / 10)?, *values.get(values.len() / 2)?])
+}
+
+/// Fans whose two directions are far apart.
+fn fans(session: &Session, rest_pose: &Pose) -> Vec<String> {
+    let contradiction = |(idx, fan): (usize, &Fan)| {
+        let in_world = rest_pose.rotation.inverse() * fan.blows_towards_world?;
+        let apart = in_world.angle(&fan.blows_towards_head());
+        if apart <= MOST_FAN_ANGLE {
+            return None;
+        }
+        let degrees = |rad: f64| rad.to_degrees().round() as i64;
+        let from = -in_world;
+        let azimuth = degrees(RealField::atan2(from.y, from.x));
+        let elevation = degrees(ComplexField::asin(from.z.clamp(-1.0, 1.0)));
+        let believed = if fan.to_azimuth_rad.is_some() { "from_azimuth_deg" } else { "blows_towards_world" };
+        Some(format!(
+            "fans[{idx}]: found wind from azimuth {azimuth}° and elevation {elevation}° of the head at rest by `blows_towards_world`, and \
+             from {}° and {}° by `from_azimuth_deg` and `from_elevation_deg`, expected the same ({}° apart): `{believed}` is believed",
+            degrees(fan.from_azimuth_rad),
+            degrees(fan.from_elevation_rad),
+            degrees(apart),
+        ))
+    };
+    session.fans.iter().enumerate().filter_map(contradiction).collect()
+}
