@@ -57,6 +57,7 @@ fn head_markers(markers: &[MarkerReport]) -> Vec<String> {
 }
 
 /// A lock's way from its root along the markers that are seen, and what the session says of it.
+#[derive(Clone, Copy)]
 struct Way<'a> {
     last_marker: &'a str,
     /// As it is seen in most frames, m.
@@ -69,61 +70,101 @@ struct Way<'a> {
     stretched: Option<(&'a str, f64, f64)>,
 }
 
+/// How badly a way fits.
+enum Misfit {
+    /// The lock is far longer than its hair: a label on something else, or another unit.
+    FarTooLong,
+    /// The lock is far shorter than its hair.
+    FarTooShort,
+    /// It can be used.
+    Odd,
+}
+
 fn locks(session: &Session, head: &HeadCapture) -> Result<Vec<String>, String> {
     let mut warnings = Vec::new();
     let (mut n_ways, mut too_long, mut too_short) = (0, Vec::new(), Vec::new());
     for tracks in &head.strands {
         let spec = &session.strands[tracks.strand_idx];
-        let name = &spec.name;
-        let root_m = far_root_m(spec, session);
-        if let Some(far_m) = root_m {
-            warnings.push(format!(
-                "lock {name}: found its root (`root_mm`) {far_m:.2} m from the head's markers and center, expected it on the scalp"
-            ));
+        warnings.extend(reach(spec));
+        if let Some(far) = far_root(spec, session) {
+            warnings.push(far);
+            continue;
         }
-        let measured = spec.markers.last().and_then(|m| m.distance_from_root_m);
-        if let Some(last_m) = measured.filter(|last_m| *last_m < LEAST_REACH * spec.length_m) {
-            warnings.push(format!(
-                "lock {name}: found its last marker {:.0} mm down a lock of {:.0} mm (`length_mm`), expected markers to near the tip",
-                last_m * 1e3,
-                spec.length_m * 1e3
-            ));
-        }
-        let Some(way) = way(spec, &tracks.markers).filter(|_| root_m.is_none()) else { continue };
+        let Some(way) = way(spec, &tracks.markers) else { continue };
         n_ways += 1;
-        let field = if measured.is_some() { "marker_distance_from_root_mm" } else { "length_mm" };
-        let words = |seen_m: f64| {
-            format!(
-                "lock {name}: found {:.0} mm from its root along its markers to {}, expected {:.0} mm (`{field}`)",
-                seen_m * 1e3,
-                way.last_marker,
-                way.hair_m * 1e3
-            )
-        };
-        if way.hair_m > MOST_RATIO * way.seen_m {
-            too_long.push(words(way.seen_m));
-        } else if way.least_seen_m > MOST_RATIO * way.hair_m {
-            too_short.push(words(way.least_seen_m));
-        } else if way.seen_m < LEAST_SEEN * way.hair_m {
-            warnings.push(words(way.seen_m));
-        } else if way.least_seen_m > MOST_SEEN * way.hair_m + MEASURING_SLACK_M {
-            warnings.push(words(way.least_seen_m));
-        } else if let Some((marker, seen_m, hair_m)) = way.stretched {
-            warnings.push(format!(
-                "lock {name}: found marker {marker} {:.0} mm from what is before it, expected at most the {:.0} mm of hair between them \
-                 (`{field}`)",
-                seen_m * 1e3,
-                hair_m * 1e3
-            ));
+        match misfit(spec, &way) {
+            Some((Misfit::FarTooLong, words)) => too_long.push(words),
+            Some((Misfit::FarTooShort, words)) => too_short.push(words),
+            Some((Misfit::Odd, words)) => warnings.push(words),
+            None => {}
         }
     }
-    // A lock that is much longer than its hair can be a label on something else; if most are, it is the session.
-    if !too_long.is_empty() || 2 * too_short.len() > n_ways {
-        too_long.append(&mut too_short);
-        return Err(several(&too_long));
+    // One lock that is seen to be far too long can be a label on something else; if most are, it is the session.
+    if !too_short.is_empty() || 2 * too_long.len() > n_ways {
+        too_short.append(&mut too_long);
+        return Err(several(&too_short));
     }
-    warnings.append(&mut too_short);
+    warnings.append(&mut too_long);
     Ok(warnings)
+}
+
+/// Whether the markers of a lock end far above its tip, in words.
+fn reach(spec: &StrandSpec) -> Option<String> {
+    let last_m = spec.markers.last()?.distance_from_root_m?;
+    (last_m < LEAST_REACH * spec.length_m).then(|| {
+        format!(
+            "lock {}: found its last marker {:.0} mm down a lock of {:.0} mm (`length_mm`), expected markers to near the tip",
+            spec.name,
+            last_m * 1e3,
+            spec.length_m * 1e3
+        )
+    })
+}
+
+/// Whether a root is far from all that is known to be on the head, in words.
+fn far_root(spec: &StrandSpec, session: &Session) -> Option<String> {
+    let on_head = session.head_markers.iter().map(|m| m.position_m).chain([Vec3::zeros()]);
+    let far_m = on_head.map(|p| (p - spec.root_m).norm()).fold(f64::INFINITY, f64::min);
+    let name = &spec.name;
+    (far_m > FARTHEST_ROOT_M).then(|| {
+        format!("lock {name}: found its root (`root_mm`) {far_m:.2} m from the head's markers and center, expected it on the scalp")
+    })
+}
+
+/// Whether a way is seen that the session's lock cannot have, in words.
+fn misfit(spec: &StrandSpec, way: &Way<'_>) -> Option<(Misfit, String)> {
+    let Way { last_marker, seen_m, least_seen_m, hair_m, stretched } = *way;
+    let is_measured = spec.markers.iter().any(|m| m.distance_from_root_m.is_some());
+    let field = if is_measured { "marker_distance_from_root_mm" } else { "length_mm" };
+    let name = &spec.name;
+    let found = |seen_m: f64| {
+        format!(
+            "lock {name}: found {:.0} mm from its root along its markers to {last_marker}, expected {:.0} mm (`{field}`)",
+            seen_m * 1e3,
+            hair_m * 1e3
+        )
+    };
+    // Hands are off by as much on a short lock as on a long one.
+    if hair_m > MOST_RATIO * seen_m + MEASURING_SLACK_M {
+        return Some((Misfit::FarTooShort, found(seen_m)));
+    }
+    if least_seen_m > MOST_RATIO * hair_m + MEASURING_SLACK_M {
+        return Some((Misfit::FarTooLong, found(least_seen_m)));
+    }
+    if seen_m + MEASURING_SLACK_M < LEAST_SEEN * hair_m {
+        return Some((Misfit::Odd, found(seen_m)));
+    }
+    if least_seen_m > MOST_SEEN * hair_m + MEASURING_SLACK_M {
+        return Some((Misfit::Odd, found(least_seen_m)));
+    }
+    let (marker, seen_m, hair_m) = stretched?;
+    let words = format!(
+        "lock {name}: found marker {marker} {:.0} mm from what is before it, expected at most the {:.0} mm of hair between them \
+         (`{field}`)",
+        seen_m * 1e3,
+        hair_m * 1e3
+    );
+    Some((Misfit::Odd, words))
 }
 
 /// The first few of many, and how many more.
@@ -136,14 +177,7 @@ fn several(found: &[String]) -> String {
     }
 }
 
-/// How far a root is from all that is known to be on the head, m, if that is too far.
-fn far_root_m(spec: &StrandSpec, session: &Session) -> Option<f64> {
-    let on_head = session.head_markers.iter().map(|m| m.position_m).chain([Vec3::zeros()]);
-    let nearest_m = on_head.map(|p| (p - spec.root_m).norm()).fold(f64::INFINITY, f64::min);
-    (nearest_m > FARTHEST_ROOT_M).then_some(nearest_m)
-}
-
-/// The distances from the root to the first marker that was seen, and from each to the next. `None` if none was.
+/// The distances from the root to the first marker that was seen for a while, and from each to the next. `None` if none was.
 fn way<'a>(spec: &'a StrandSpec, tracks: &[Track]) -> Option<Way<'a>> {
     let n_markers = spec.markers.len();
     let place_m = |idx: usize| {
@@ -174,10 +208,11 @@ fn way<'a>(spec: &'a StrandSpec, tracks: &[Track]) -> Option<Way<'a>> {
     way
 }
 
-/// What a tenth of the values is below, and what half of them is; `None` without any.
+/// What a tenth of the values is below, and what half of them is; `None` of so few that one wrong label could be all of them.
 fn tenth_and_half(mut values: Vec<f64>) -> Option<[f64; 2]> {
+    const LEAST: usize = 10;
     values.sort_by(f64::total_cmp);
-    Some([*values.get(values.len() / 10)?, *values.get(values.len() / 2)?])
+    (values.len() >= LEAST).then(|| [values[values.len() / 10], values[values.len() / 2]])
 }
 
 /// Fans whose two directions are far apart.

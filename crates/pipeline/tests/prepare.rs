@@ -61,7 +61,7 @@ fn locks_of_other_lengths_are_told() {
     let halved = warnings(|session| {
         each_lock(session, |lock| {
             times(&mut lock["marker_distance_from_root_mm"], 0.5);
-        })
+        });
     });
     assert!(
         halved.iter().filter(|w| w.ends_with("mm (`marker_distance_from_root_mm`)")).count() == n_locks,
@@ -110,8 +110,8 @@ fn a_root_that_is_not_on_the_head_is_told() {
     let found = warnings(|session| session["strands"][0]["root_mm"][0] = json!(5000.0));
     assert_eq!(found.len(), 1, "{found:?}");
     assert!(
-        found[0].contains("found its root (`root_mm`) 4.9 m")
-            || found[0].contains("found its root (`root_mm`) 4.8"),
+        found[0].contains(": found its root (`root_mm`) 4.")
+            && found[0].ends_with("expected it on the scalp"),
         "{found:?}"
     );
 }
@@ -150,6 +150,35 @@ fn fans_that_blow_two_ways_are_told() {
         session["fans"][0]["to_azimuth_deg"] = json!(120);
     });
     assert!(turned[0].ends_with("`from_azimuth_deg` is believed"), "{turned:?}");
+}
+
+/// The last lock is in the session and not in the capture, as is a marker of the head: all else is as it was.
+#[test]
+fn markers_that_are_not_there_are_told() {
+    let prepared = prepared(|session| {
+        let head = session["head_markers_mm_in_head_frame"].as_object_mut().unwrap();
+        head.insert("CROWN".to_owned(), json!([0, 0, 105]));
+        let strands = session["strands"].as_array_mut().unwrap();
+        let mut lock = strands[0].clone();
+        lock["strand"] = json!("T99");
+        lock["markers"]
+            .as_array_mut()
+            .unwrap()
+            .iter_mut()
+            .enumerate()
+            .for_each(|(k, m)| *m = json!(format!("T99_{k}")));
+        strands.push(lock);
+    })
+    .unwrap();
+    let warnings = &prepared.quality.ingest.warnings;
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(
+        warnings[0]
+            .starts_with("markers of the session that are not in the capture count as never seen: CROWN")
+    );
+    assert_eq!(warnings[1], "locks without a marker in the capture are left out: T99");
+    let crown = prepared.located.report.markers.iter().find(|m| m.label == "CROWN").unwrap();
+    assert!(crown.is_never_seen() && !crown.trusted);
 }
 
 #[test]
