@@ -119,11 +119,15 @@ fn the_same_bytes_for_any_number_of_threads() {
 }
 
 #[test]
-fn a_session_that_names_a_marker_which_is_not_there_is_refused() {
-    let session = String::from_utf8(SESSION.to_vec()).unwrap().replace("S05_3", "S05_33");
-    let error = convert(input(CAPTURE), input(session.as_bytes()), &ConvertOptions::default(), &Silent);
-    let Err(ConvertError::Mismatch { source, .. }) = error else { panic!("{error:?}") };
-    assert!(source.to_string().contains("S05_33"), "{source}");
+fn a_session_that_names_other_markers_than_are_there_is_refused() {
+    // A marker that is not there counts as never seen (`tousle-ingest`); here it is all of them.
+    let mut session = String::from_utf8(SESSION.to_vec()).unwrap();
+    (1..=27).for_each(|lock| session = session.replace(&format!("S{lock:02}_"), &format!("X{lock:02}_")));
+    let result = convert(input(CAPTURE), input(session.as_bytes()), &ConvertOptions::default(), &Silent);
+    let Err(ConvertError::Mismatch { source, .. }) = result else {
+        panic!("expected a refusal, found {:?}", result.map(|converted| converted.report.losses))
+    };
+    assert!(source.to_string().contains("X01_1"), "{source}");
 }
 
 #[test]
