@@ -17,7 +17,7 @@ fn style_b_moves_as_it_really_did() {
         ("gusts_left", 0.96, 0.97),
         ("nod_turn", 0.945, 0.975),
         ("steady_front", 0.975, 0.97),
-        ("sweep_0_120", 0.97, 0.98),
+        ("sweep_0_120", 0.96, 0.98),
         ("turbulent_dirty", 0.87, 0.925),
         ("two_fans", 0.96, 0.965),
     ] {

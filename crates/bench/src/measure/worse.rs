@@ -54,26 +54,29 @@ impl Worse {
     fn worsened(self, head: &HeadCapture, session: &Session) -> HeadCapture {
         let mut worse = head.clone();
         let n_strands = worse.strands.len();
-        let strands = worse.strands.iter_mut().enumerate();
+        let strands = &mut worse.strands;
         match self {
             Self::Not | Self::Clean => {}
             Self::EverySecondMarker => strands
-                .flat_map(|(_, strand)| strand.markers.iter_mut().rev().skip(1).step_by(2))
+                .iter_mut()
+                .flat_map(|strand| strand.markers.iter_mut().rev().skip(1).step_by(2))
                 .for_each(hide),
             Self::Locks(n) => strands
+                .iter_mut()
+                .enumerate()
                 .filter(|(strand_idx, _)| is_left_out(*strand_idx, n_strands, n))
                 .flat_map(|(_, strand)| &mut strand.markers)
                 .for_each(hide),
             Self::Noise(sd_m) => {
                 let mut dice = Dice(1);
-                for track in strands.flat_map(|(_, strand)| &mut strand.markers) {
+                for track in strands.iter_mut().flat_map(|strand| &mut strand.markers) {
                     *track = track.map(|_, p| Some(p + Vec3::from_fn(|_, _| sd_m * dice.normal())));
                 }
             }
             Self::Gaps(share) => {
                 let gap_frames = (GAP_SECS * head.rate_hz).round().max(1.0) as usize;
                 let mut dice = Dice(1);
-                for track in strands.flat_map(|(_, strand)| &mut strand.markers) {
+                for track in strands.iter_mut().flat_map(|strand| &mut strand.markers) {
                     let n_gaps = (share * track.n_frames() as f64 / gap_frames as f64).round() as usize;
                     for _ in 0..n_gaps {
                         let first = (dice.even() * track.n_frames() as f64) as usize;
@@ -86,7 +89,8 @@ impl Worse {
                 let onset_frames = (ONSET_SECS * head.rate_hz).round() as usize;
                 let blown_from = still.map_or(0, |(_, last)| last + 1 + onset_frames);
                 strands
-                    .flat_map(|(_, strand)| &mut strand.markers)
+                    .iter_mut()
+                    .flat_map(|strand| &mut strand.markers)
                     .for_each(|track| hide_frames(track, 0..blown_from));
             }
         }
