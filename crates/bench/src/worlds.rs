@@ -3,7 +3,7 @@
 use tousle_core::{
     Attachment, Body, Collider, Groom, Pose, PoseTrack, Quantity, Shape, Strand, StrandMotion, Vec3,
 };
-use tousle_field::{Field, FieldSequence, GridSpec, Scene, VoxelFlag};
+use tousle_field::{Ease, Field, FieldLayer, FieldSequence, GridSpec, Handle, LayerOrigin, Scene, VoxelFlag};
 use tousle_rod::Surface;
 
 /// Gravity in a world whose z is up, m/s².
@@ -73,6 +73,21 @@ pub fn uniform(quantity: Quantity, rate_hz: f64, vectors: &[Vec3]) -> FieldSeque
 /// Air that stands still.
 pub fn still_air() -> FieldSequence {
     uniform(Quantity::AirVelocity, 30.0, &[Vec3::zeros()])
+}
+
+/// A layer of one handle, which grows up to the middle of its time and fades from there.
+pub fn push(handle: Handle, (first_secs, last_secs): (f64, f64)) -> FieldLayer {
+    FieldLayer {
+        id: "1".into(),
+        name: "1".into(),
+        muted: false,
+        first_secs,
+        last_secs,
+        ease: Ease { rise: 0.5, fall: 0.5 },
+        handles: vec![handle],
+        reshape: None,
+        origin: LayerOrigin::Wind { action: "gust".into() },
+    }
 }
 
 /// A straight strand: 1.5 g/m, 4 mm wide, 2e-6 N·m², 0.02 s.

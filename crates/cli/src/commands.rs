@@ -26,7 +26,7 @@ use tousle_eff::{Eff, EffError, Encoding, ReadOptions, WriteOptions, WriteReport
 use tousle_field::{GridSpec, Scene};
 use tousle_groom::{GroomOptions, GroomReadError, HeadShape, Placement};
 use tousle_ingest::IngestOptions;
-use tousle_pipeline::{Outputs, Watch, read_file, write_whole};
+use tousle_pipeline::{Outputs, Watch, read_file};
 
 /// The name of a file, for messages.
 fn name(path: &Path) -> String {
@@ -128,8 +128,10 @@ fn write_eff(
     options: &WriteOptions,
     watch: &dyn Watch,
 ) -> anyhow::Result<WriteReport> {
-    let stage = watch.stage("write");
-    Ok(write_whole(path, |out| tousle_eff::write(eff, out, options, &*stage))?)
+    let mut outputs = Outputs::default();
+    let written = add_eff(&mut outputs, eff, path, options, watch)?;
+    outputs.appear()?;
+    Ok(written)
 }
 
 /// Writes a field file that appears together with others.

@@ -18,8 +18,8 @@ pub(crate) struct Setting<'a> {
     pub field: &'a FieldSequence,
     pub scene: &'a Scene,
     pub groom: &'a Groom,
-    /// The hairstyle that it is a part of, or all of: what strands tell of one another is asked of all.
-    pub whole: &'a Groom,
+    /// The hairstyle that the groom is a part of, unless it is all there is: what strands tell of one another is asked of all.
+    pub whole: Option<&'a Groom>,
     pub options: &'a SimOptions,
 }
 
@@ -95,6 +95,11 @@ pub(crate) trait Mechanics: Copy + Debug + Send + Sync + 'static {
 
     /// What the steps of a batch took.
     fn count<L: Lane>(batch: &Self::Batch<L>) -> Count;
+
+    /// The longest step that is taken, s.
+    fn longest_secs(&self, timeline: &Timeline<'_>) -> f64 {
+        timeline.dt_secs()
+    }
 
     /// What was assumed so that the strands hang as they do.
     fn assumed(_strands: &[Prepared<Self::Shape>]) -> Vec<Assumption> {

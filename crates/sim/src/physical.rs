@@ -21,6 +21,5 @@ mod newton;
 mod scene;
 mod stability;
 
-pub(crate) use adaptive::Precise;
 pub(crate) use drag::STILL2;
 pub(crate) use mechanics::Physical;

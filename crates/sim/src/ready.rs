@@ -5,7 +5,6 @@ use crate::frames::{Frames, max_stretch, single};
 use crate::lane::Registers;
 use crate::mechanics::{Mechanics, Setting};
 use crate::parts::{Count, Part, run_parts};
-use crate::physical::Precise;
 use crate::plan::plan;
 use crate::prepared::{Prepared, order};
 use crate::run::{Abreast, PutFrame, Run, SideBySide};
@@ -162,10 +161,7 @@ impl<'a, M: Mechanics> Ready<'a, M> {
             integrator,
             order: integrator.order(),
             limit: stability::in_words(limit.as_ref(), groom),
-            dt_secs: match integrator {
-                Integrator::Adaptive => Precise::of(options).longest_secs().min(1.0 / options.rate_hz),
-                _ => timeline.dt_secs(),
-            },
+            dt_secs: run.mechanics.longest_secs(timeline),
             n_steps: count.steps,
             iterations_per_step: count.iterations as f64 / (count.steps - count.slept).max(1) as f64,
             slept_share: count.slept as f64 / count.steps.max(1) as f64,

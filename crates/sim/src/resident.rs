@@ -55,7 +55,7 @@ impl<'a> Simulator<'a> {
         groom: &'a Groom,
         options: &'a SimOptions,
     ) -> Result<Self, SimError> {
-        Self::of_part(field, scene, groom, groom, options)
+        Self::prepare(Setting { field, scene, groom, whole: None, options })
     }
 
     /// Prepares a simulation of some strands of a hairstyle, which move as they would if all of it were simulated: how natural
@@ -66,16 +66,20 @@ impl<'a> Simulator<'a> {
     pub fn of_part(
         field: &'a FieldSequence,
         scene: &'a Scene,
-        groom: &'a Groom,
+        part: &'a Groom,
         whole: &'a Groom,
         options: &'a SimOptions,
     ) -> Result<Self, SimError> {
+        whole.check()?;
+        Self::prepare(Setting { field, scene, groom: part, whole: Some(whole), options })
+    }
+
+    fn prepare(setting: Setting<'a>) -> Result<Self, SimError> {
+        let Setting { field, scene, groom, options, .. } = setting;
         field.check()?;
         groom.check()?;
-        whole.check()?;
         check::check_scene(scene, options)?;
         check::check_options(options)?;
-        let setting = Setting { field, scene, groom, whole, options };
         let ready = match options.method {
             Method::Paper => Ready::<Paper>::resident(setting)?,
             Method::Physical => Ready::<Physical>::resident(setting)?,

@@ -97,23 +97,16 @@ pub(crate) fn strongest_vector(field: &FieldSequence, layers: &[FieldLayer]) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tousle_bench::worlds::gusts;
-    use tousle_field::{Ease, Handle, LayerOrigin, Reshape};
+    use tousle_bench::worlds::{gusts, push};
+    use tousle_field::{Handle, Reshape};
 
     /// A layer that makes the wind five times as strong, one that adds 2 m/s to that, and one that is muted.
     #[test]
     fn layers_make_the_strongest_vector_longer() {
         let field = gusts();
-        let layer = |reshape, extra| FieldLayer {
-            id: "1".into(),
-            name: "1".into(),
-            muted: false,
-            first_secs: 0.0,
-            last_secs: 1.0,
-            ease: Ease { rise: 0.5, fall: 0.5 },
-            handles: vec![Handle { center_m: Vec3::zeros(), reach_m: 0.1, extra }],
-            reshape,
-            origin: LayerOrigin::Wind { action: "gust".into() },
+        let layer = |reshape, extra| {
+            let handle = Handle { center_m: Vec3::zeros(), reach_m: 0.1, extra };
+            FieldLayer { reshape, ..push(handle, (0.0, 1.0)) }
         };
         let scaled = layer(Some(Reshape { turn: Vec3::zeros(), scale: 5.0 }), Vec3::zeros());
         let calmed = layer(Some(Reshape { turn: Vec3::zeros(), scale: 0.0 }), Vec3::zeros());

@@ -164,6 +164,11 @@ impl<'a> Timeline<'a> {
         Ok(())
     }
 
+    /// From one frame to the next, s.
+    pub fn frame_span_secs(&self) -> f64 {
+        1.0 / self.rate_hz
+    }
+
     /// The step, s.
     pub fn dt_secs(&self) -> f64 {
         1.0 / (self.rate_hz * self.steps_per_frame as f64)

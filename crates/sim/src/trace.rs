@@ -123,20 +123,12 @@ fn changes<'a>(before: &'a [FieldLayer], after: &'a [FieldLayer]) -> Vec<&'a Fie
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tousle_field::{Ease, Handle, LayerOrigin, Reshape};
+    use tousle_bench::worlds::push;
+    use tousle_field::{Handle, Reshape};
 
     fn layer(extra: f64) -> FieldLayer {
-        FieldLayer {
-            id: "1".into(),
-            name: "1".into(),
-            muted: false,
-            first_secs: 0.0,
-            last_secs: 1.0,
-            ease: Ease { rise: 0.5, fall: 0.5 },
-            handles: vec![Handle { center_m: Vec3::zeros(), reach_m: 0.1, extra: Vec3::x() * extra }],
-            reshape: None,
-            origin: LayerOrigin::Wind { action: "gust".into() },
-        }
+        let handle = Handle { center_m: Vec3::zeros(), reach_m: 0.1, extra: Vec3::x() * extra };
+        push(handle, (0.0, 1.0))
     }
 
     /// The vectors of what changes from one stack to another, before and after; each layer stands for its own.

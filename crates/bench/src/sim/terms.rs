@@ -1,11 +1,11 @@
 use super::Part;
 use crate::capture::failed;
-use crate::worlds::{gusts, mannequin, wig};
+use crate::worlds::{gusts, mannequin, push, wig};
 use crate::{BenchError, Cell, Section, Table};
 use nalgebra::UnitQuaternion;
 use std::time::Instant;
 use tousle_core::{Body, Groom, NoProgress, Pose, PoseTrack, Progress, Vec3};
-use tousle_field::{Ease, FieldLayer, FieldSequence, Handle, LayerOrigin, Scene};
+use tousle_field::{Ease, FieldLayer, FieldSequence, Handle, Scene};
 use tousle_sim::{Method, SimError, SimOptions, SimReport, Simulator};
 
 /// Strands of 16 points, enough to fill registers and few enough to stay in the nearest memory.
@@ -186,20 +186,6 @@ fn track(turn_at: impl Fn(f64) -> Vec3) -> PoseTrack {
 
 /// An edit with one handle beside the head, there all the time.
 fn layer(muted: bool) -> FieldLayer {
-    FieldLayer {
-        id: "edit".to_owned(),
-        name: "edit".to_owned(),
-        muted,
-        first_secs: -1.0,
-        last_secs: 3.0,
-        ease: Ease { rise: 0.1, fall: 0.1 },
-        handles: vec![Handle { center_m: Vec3::new(0.0, 0.1, -0.1), reach_m: 0.1, extra: Vec3::y() * 2.0 }],
-        reshape: None,
-        origin: LayerOrigin::Drag {
-            strand: String::new(),
-            control_point: 0,
-            target_m: Vec3::zeros(),
-            method: "paper".to_owned(),
-        },
-    }
+    let handle = Handle { center_m: Vec3::new(0.0, 0.1, -0.1), reach_m: 0.1, extra: Vec3::y() * 2.0 };
+    FieldLayer { muted, ease: Ease { rise: 0.1, fall: 0.1 }, ..push(handle, (-1.0, 3.0)) }
 }

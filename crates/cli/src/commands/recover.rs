@@ -1,8 +1,8 @@
-use super::{check_output, print_json, read_file, write_whole};
+use super::{check_output, print_json, read_file};
 use crate::args::RecoverArgs;
 use crate::ui::Outcome;
 use std::io::Cursor;
-use tousle_pipeline::Watch;
+use tousle_pipeline::{Watch, write_whole};
 
 /// `tousle recover`
 pub fn run(args: &RecoverArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {

@@ -117,7 +117,7 @@ mod tests {
             for precision in [Precision::Double, Precision::Single] {
                 let options = SimOptions { precision, duration_secs: Some(0.15), ..SimOptions::of(method) };
                 let setting =
-                    Setting { field: &field, scene: &scene, groom: &groom, whole: &groom, options: &options };
+                    Setting { field: &field, scene: &scene, groom: &groom, whole: None, options: &options };
                 let run = |registers: &Registers| {
                     let ready = match method {
                         Method::Paper => Ready::<Paper>::resident_in(setting, *registers, precision),

@@ -90,12 +90,11 @@ impl Mechanics for Physical {
         let Setting { scene, groom, whole, options, .. } = setting;
         let (gravity, law) = (timeline.gravity_at_rest(), setting.law());
         let locks_of = |groom: &Groom| -> Vec<Lock> { groom.strands.par_iter().map(Lock::new).collect() };
-        let style_of = |locks: &[Lock], whole: &Groom| {
-            Style::of(locks, |i| !whole.strands[i].holds_style, gravity, &scene.body)
+        let style_of = |locks: &[Lock], all: &Groom| {
+            Style::of(locks, |i| !all.strands[i].holds_style, gravity, &scene.body)
         };
         let locks = locks_of(groom);
-        let is_part = !core::ptr::eq(*groom, *whole);
-        let style = if is_part { style_of(&locks_of(whole), whole) } else { style_of(&locks, groom) };
+        let style = whole.map_or_else(|| style_of(&locks, groom), |whole| style_of(&locks_of(whole), whole));
         let surfaces = Surface::of_body(&scene.body, &Pose::identity());
         let prepare = |(mut lock, strand): (Lock, &Strand)| {
             let rest = rest_state(&lock, gravity, &scene.body, &style.likely(&lock, &scene.body));
@@ -219,6 +218,13 @@ impl Mechanics for Physical {
 
     fn count<L: Lane>(moving: &Moving<L>) -> Count {
         moving.strands.count
+    }
+
+    fn longest_secs(&self, timeline: &Timeline<'_>) -> f64 {
+        match self.integrator {
+            Integrator::Adaptive => self.precise.longest_secs().min(timeline.frame_span_secs()),
+            _ => timeline.dt_secs(),
+        }
     }
 
     /// What the body bears, and that styles stay up.

@@ -3,10 +3,10 @@
 
 #[allow(unused_imports, reason = "each test file uses its own part")]
 pub use tousle_bench::worlds::{
-    DOWN, groom, mannequin, nearest_m, over_the_head, still_air, straight, strand, uniform, vacuum,
+    DOWN, groom, mannequin, nearest_m, over_the_head, push, still_air, straight, strand, uniform, vacuum,
 };
 use tousle_core::{NoProgress, Quantity, Strand, StrandMotion, Vec3};
-use tousle_field::{Ease, FieldLayer, FieldSequence, Handle, LayerOrigin, Scene};
+use tousle_field::{FieldLayer, FieldSequence, Handle, Scene};
 use tousle_sim::{Integrator, Method, SimError, SimOptions, Simulation, simulate};
 
 pub fn run(
@@ -58,22 +58,7 @@ pub fn assert_sound(simulation: &Simulation, what: &str) {
 
 /// A layer that blows for 0.4 s, from 0.5 s on, near the hair in front.
 pub fn lift(extra: Vec3) -> FieldLayer {
-    FieldLayer {
-        id: "1".into(),
-        name: "lift".into(),
-        muted: false,
-        first_secs: 0.5,
-        last_secs: 0.9,
-        ease: Ease { rise: 0.5, fall: 0.5 },
-        handles: vec![Handle { center_m: Vec3::new(0.1, 0.0, -0.1), reach_m: 0.3, extra }],
-        reshape: None,
-        origin: LayerOrigin::Drag {
-            strand: "strand".into(),
-            control_point: 4,
-            target_m: Vec3::zeros(),
-            method: "paper".into(),
-        },
-    }
+    push(Handle { center_m: Vec3::new(0.1, 0.0, -0.1), reach_m: 0.3, extra }, (0.5, 0.9))
 }
 
 /// A wind from the front that swings from side to side, for 1 s.

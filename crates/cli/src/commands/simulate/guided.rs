@@ -75,10 +75,14 @@ pub fn simulate(
     resumable: Option<&Resumable>,
     watch: &dyn Watch,
 ) -> anyhow::Result<Simulated> {
-    let run = |stage: &'static str, part: &Groom| {
+    let run = |stage: &'static str, part: Option<&Groom>| {
         let stage_keeper = resumable.map(|run| run.stage(stage));
         let keeper = stage_keeper.as_ref().map(|stage| stage as &dyn Keeper);
-        let simulator = Simulator::of_part(&eff.field, &eff.scene, part, groom, options)?;
+        let Eff { field, scene, .. } = eff;
+        let simulator = match part {
+            Some(part) => Simulator::of_part(field, scene, part, groom, options),
+            None => Simulator::new(field, scene, groom, options),
+        }?;
         warn_of_many_steps(&simulator, &eff.field.layers, options)?;
         simulator.simulate_once(&eff.field.layers, keeper, &*watch.stage(stage))
     };
@@ -90,11 +94,11 @@ pub fn simulate(
                 "warning: --guides {asked}: found {n_strands} strands, so all are simulated and none follows"
             );
         }
-        let Simulation { motion, report } = run("simulate", groom)?;
+        let Simulation { motion, report } = run("simulate", None)?;
         return Ok(Simulated { motion, report, guides: None });
     };
     let guides = tousle_guide::choose(groom, n_guides)?;
-    let Simulation { motion, mut report } = run("simulate", &guides.groom(groom))?;
+    let Simulation { motion, mut report } = run("simulate", Some(&guides.groom(groom)))?;
     let mut motion = tousle_guide::follow(groom, &guides, &motion, &*watch.stage("follow"))?;
     let at_rest = Surface::of_body(&eff.scene.body, &Pose::identity());
     let at_times = tousle_sim::surfaces_at(&eff.field, &eff.scene, options, &motion.times_secs)?;
@@ -103,7 +107,7 @@ pub fn simulate(
     let sample = guides.sample(args.guides_check as usize);
     let mut error = None;
     if !sample.is_empty() {
-        let checked = run("check", &Guides::groom_of(groom, &sample))?;
+        let checked = run("check", Some(&Guides::groom_of(groom, &sample)))?;
         error = Some(tousle_guide::compare(&motion, &checked.motion, &sample)?);
     }
     let n_guides = guides.strands().len();
