@@ -1,5 +1,6 @@
 use crate::contact::Surface;
 use crate::lock::Lock;
+use crate::natural::rest_bend;
 use crate::rest::Rest;
 use nalgebra::Matrix3;
 use tousle_core::Vec3;
@@ -31,10 +32,10 @@ pub struct Support<'a> {
 /// at least α times the moment it carries, |τ| + what stands on its stick pushes, with twice the least α for which
 /// the second derivative of the energy is positive. Joints that carry nothing, as in hair that hangs, stay as they are.
 ///
-/// The energy: joints k/2 |φⱼ − φⱼ₋₁|² with the torque τ they hold, which turns with its sticks (τ · φⱼ₋₁ × φⱼ / 2);
-/// weight and bearing forces on sticks that turn; springs at the points that the body bears. Eliminating sticks from
-/// the tip inwards, it is positive if every pivot is. Natural turns are taken to be small, which they are once the
-/// joints hold.
+/// The energy: joints k/2 |c|² − b · c, c = 4 tan(θ/4) along the axis of the turn by θ, which hold a torque τ; weight and
+/// bearing forces on sticks that turn; what pushes outwards at the points that the body bears, and turns with its surface.
+/// Sticks turned by φ, with ψ = φⱼ − φⱼ₋₁ a joint's is, to second order, τ · φⱼ₋₁ × φⱼ / 2 + ψᵀ (k (1 + σ²)² + M) ψ / 2
+/// ([`second_bend`]). Eliminating sticks from the tip inwards, all of it is positive if every pivot is.
 pub fn hold_rest(lock: &mut Lock, rest: &Rest, gravity: Vec3, support: &Support<'_>) -> f64 {
     let loads = Loads::new(lock, rest, gravity, support);
     if loads.hold(lock, &lock.joint_stiffness) {
@@ -65,12 +66,46 @@ pub fn hold_rest(lock: &mut Lock, rest: &Rest, gravity: Vec3, support: &Support<
     most
 }
 
+/// The second derivative of a joint's energy by a small turn of the stick behind it: per stiffness, and what the torque that it
+/// holds adds, which it has by the slope of c.
+///
+/// For the turn by 4σ at rest and then by ψ, σ(ψ) is the sum rule of modified Rodrigues parameters (Schaub and Junkins,
+/// *Analytical Mechanics of Space Systems*, 3.5) to second order in ψ; all but the turn itself in the frame of the stick before.
+fn second_bend(sigma: Vec3, torque: Vec3) -> (f64, Matrix3<f64>) {
+    let s2 = sigma.norm_squared();
+    let grown = (1.0 + s2) * (1.0 + s2);
+    // The slope by c: minus what the joint holds.
+    let slope =
+        -(torque * (1.0 - s2) + torque.cross(&sigma) * 2.0 + sigma * (2.0 * sigma.dot(&torque))) / grown;
+    let along = slope.dot(&sigma);
+    let by = slope * (1.0 - s2) + sigma.cross(&slope) * 2.0 + sigma * (2.0 * along);
+    let product = sigma * by.transpose();
+    (grown, (product + product.transpose() - Matrix3::from_diagonal_element((1.0 + s2) * along)) * 0.5)
+}
+
+/// The derivative of a surface's normal by the place, 1/m: how it turns from one point to the next.
+fn normal_turns(surface: &Surface, place_m: Vec3) -> Matrix3<f64> {
+    let slope = |along: Vec3| {
+        let [before, after] = [-1.0, 1.0].map(|side| surface.gap(place_m + along * (side * APART_M)).normal);
+        (after - before) / (2.0 * APART_M)
+    };
+    let turns = Matrix3::from_columns(&[slope(Vec3::x()), slope(Vec3::y()), slope(Vec3::z())]);
+    (turns + turns.transpose()) * 0.5
+}
+
+/// How far apart two normals are that tell how a surface is curved, m.
+const APART_M: f64 = 1e-3;
+
 /// What acts on each stick at rest.
 struct Loads {
     /// Second derivative of the weight's and the bearing forces' energy by the stick's turn, N·m.
     weight: Vec<Matrix3<f64>>,
     /// The torque that the joint at its near end holds, N·m.
     torques: Vec<Vec3>,
+    /// By how many times the joint is stiffer as it is bent at rest.
+    bent: Vec<f64>,
+    /// What the torque that the joint holds adds to its second derivative, as it is bent at rest, N·m.
+    held: Vec<Matrix3<f64>>,
     /// Stiffness of what bears its far end, N/m.
     borne: Vec<Matrix3<f64>>,
     /// What the joint carries, N·m.
@@ -85,10 +120,12 @@ impl Loads {
         let mut forces: Vec<Vec3> = lock.masses_kg.iter().map(|m| gravity * *m).collect();
         let mut borne = vec![Matrix3::zeros(); n];
         for bearing in &rest.bearings {
-            let normal = support.surfaces[bearing.collider].gap(ends_m[bearing.stick]).normal;
+            let (surface, place_m) = (&support.surfaces[bearing.collider], ends_m[bearing.stick]);
+            let normal = surface.gap(place_m).normal;
             forces[bearing.stick] += normal * bearing.force_n + bearing.rub_n;
-            // Friction may give way: only what pushes outwards is counted on.
-            borne[bearing.stick] += normal * normal.transpose() * support.stiffness;
+            // Friction may give way: only what pushes outwards is counted on. Along a round surface that push pushes off.
+            borne[bearing.stick] += normal * normal.transpose() * support.stiffness
+                - normal_turns(surface, place_m) * bearing.force_n;
         }
         let mut weight = vec![Matrix3::zeros(); n];
         let mut carried = vec![0.0; n];
@@ -101,7 +138,14 @@ impl Loads {
             weight[j] = (Matrix3::from_diagonal_element(along) - (outer + outer.transpose()) * 0.5) * length;
             carried[j] = rest.torques[j].norm() + f64::max(0.0, -along) * length;
         }
-        Self { weight, torques: rest.torques.clone(), borne, carried }
+        let sigmas = (0..n).map(|j| {
+            let bend = rest_bend(lock, j);
+            let angle = bend.norm();
+            if angle > 0.0 { bend * (libm::tan(0.25 * angle) / angle) } else { bend }
+        });
+        let (bent, held) =
+            sigmas.zip(&rest.torques).map(|(sigma, torque)| second_bend(sigma, *torque)).unzip();
+        Self { weight, torques: rest.torques.clone(), bent, held, borne, carried }
     }
 
     /// Whether a lock with these joints stays where it rests.
@@ -111,7 +155,7 @@ impl Loads {
         let (mut a, mut b, mut c) = (Matrix3::zeros(), Matrix3::zeros(), Matrix3::zeros());
         for j in (0..lock.n_sticks()).rev() {
             a += self.borne[j];
-            let k = Matrix3::from_diagonal_element(joint_stiffness[j]);
+            let k = Matrix3::from_diagonal_element(joint_stiffness[j] * self.bent[j]) + self.held[j];
             let lever = -lock.rest_directions[j].cross_matrix() * lock.lengths_m[j];
             let own = c + lever.transpose() * b + b.transpose() * lever + lever.transpose() * a * lever;
             let pivot = own + self.weight[j] + k;
@@ -134,6 +178,7 @@ mod tests {
     use crate::likely::{Likely, Twist};
     use crate::lock::tests::straight;
     use crate::rest::rest_state;
+    use nalgebra::{Quaternion, UnitQuaternion};
     use tousle_core::{Body, Strand};
 
     const DOWN: Vec3 = Vec3::new(0.0, 0.0, -9.81);
@@ -157,6 +202,45 @@ mod tests {
             let stays = held(direction, 1.05 * load / critical);
             let falls = held(direction, 0.95 * load / critical);
             assert!(stays == 1.0 && falls > 1.0, "{direction}: {stays} {falls}");
+        }
+    }
+
+    /// A joint that is sharply bent at rest: its energy beside the two sticks' turns, told by differences.
+    #[test]
+    fn a_joint_is_as_stiff_as_its_energy_has_it() {
+        let (k, sigma, torque) = (0.7, Vec3::new(0.1, -0.25, 0.15), Vec3::new(0.4, 0.9, -0.6));
+        let bend = |turn: UnitQuaternion<f64>| turn.imag() * (4.0 / (1.0 + turn.w));
+        let at_rest = {
+            let cos = (1.0 - sigma.norm_squared()) / (1.0 + sigma.norm_squared());
+            UnitQuaternion::from_quaternion(Quaternion::from_parts(cos, sigma * (1.0 + cos)))
+        };
+        let turned = |turns: [Vec3; 2]| {
+            let [before, behind] = turns.map(UnitQuaternion::from_scaled_axis);
+            bend(before.inverse() * behind * at_rest)
+        };
+        // What is left of k c − b by the sticks' turns is what the joint does not hold.
+        let slope_of_bend = Matrix3::from_fn(|i, j| {
+            let along = Vec3::ith(j, 1e-5);
+            (turned([Vec3::zeros(), along]) - turned([Vec3::zeros(), -along]))[i] / 2e-5
+        });
+        let load = bend(at_rest) * k + slope_of_bend.transpose().try_inverse().unwrap() * torque;
+        let energy = |turns: [Vec3; 2]| {
+            let bend = turned(turns);
+            0.5 * k * bend.norm_squared() - load.dot(&bend)
+        };
+        let (grown, held) = second_bend(sigma, torque);
+        let own = Matrix3::from_diagonal_element(k * grown) + held;
+        let across = torque.cross_matrix() * 0.5 - own;
+        for turns in [[1, 0], [0, 1], [1, 1], [1, -1]] {
+            let [a, b] = [Vec3::new(0.3, -0.5, 0.8), Vec3::new(-0.6, 0.2, 0.7)];
+            let [a, b] = [a * f64::from(turns[0]), b * f64::from(turns[1])];
+            let expected = a.dot(&(own * a)) + 2.0 * b.dot(&(across * a)) + b.dot(&(own * b));
+            let at = |share: f64| energy([a * share, b * share]);
+            let found = (at(1e-3) - 2.0 * at(0.0) + at(-1e-3)) / 1e-6;
+            assert!(
+                (found - expected).abs() < 1e-5 * (1.0 + expected.abs()),
+                "{turns:?}: {found} {expected}"
+            );
         }
     }
 

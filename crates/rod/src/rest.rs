@@ -300,6 +300,22 @@ mod tests {
         assert!(rest.clearances_m.iter().all(|c| (c - 2e-3).abs() < 1e-5));
     }
 
+    /// What lies still on a slope is not about to slide.
+    #[test]
+    fn friction_at_rest_is_below_its_limit() {
+        const FRICTION: f64 = 0.25;
+        let body = table(2e-3);
+        let lock = Lock::new(&straight(Vec3::zeros(), Vec3::x(), 0.2, 10));
+        // As on a table that slopes down across the lock and along it, steeper than friction holds.
+        let down = Vec3::new(2.0, 3.0, -9.0);
+        let likely = Likely { friction: FRICTION, ..Likely::smooth(&lock, Twist::Held) };
+        let rest = rest_state(&lock, down, &body, &likely);
+        let shares: Vec<f64> =
+            rest.bearings.iter().map(|b| b.rub_n.norm() / (FRICTION * b.force_n)).collect();
+        let most = shares.iter().copied().fold(0.0, f64::max);
+        assert!((0.5..0.95).contains(&most), "{shares:?}");
+    }
+
     /// Where other locks tell how this one falls, it is known how hard a ball holds its middle up.
     #[test]
     fn a_falling_lock_tells_what_bears_it() {
