@@ -99,6 +99,17 @@ pub struct StrandSpec {
     pub markers: Vec<StrandMarker>,
 }
 
+impl StrandSpec {
+    /// How far down the lock a marker sits, m from the root: as measured, or as if all were spread evenly, the last one at the tip.
+    ///
+    /// # Panics
+    /// If the lock has no such marker.
+    pub fn marker_distance_m(&self, marker_idx: usize) -> f64 {
+        let evenly = (marker_idx + 1) as f64 / self.markers.len() as f64 * self.length_m;
+        self.markers[marker_idx].distance_from_root_m.unwrap_or(evenly)
+    }
+}
+
 /// A marker on a lock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrandMarker {
@@ -146,6 +157,21 @@ mod tests {
         ] {
             assert_eq!(session(Some(named), None).still_range(5000, 1000), expected, "{named:?}");
         }
+    }
+
+    #[test]
+    fn markers_that_nobody_measured_are_spread_evenly() {
+        let marker =
+            |distance_from_root_m| StrandMarker { label: String::new(), distance_from_root_m, mass_kg: 0.0 };
+        let lock = StrandSpec {
+            name: String::new(),
+            length_m: 0.5,
+            linear_density_kg_per_m: 1.5e-3,
+            lock_width_m: 0.02,
+            root_m: Vec3::zeros(),
+            markers: [None, Some(0.07), None, None].map(marker).to_vec(),
+        };
+        assert_eq!([0, 1, 2, 3].map(|k| lock.marker_distance_m(k)), [0.125, 0.07, 0.375, 0.5]);
     }
 
     #[test]

@@ -7,7 +7,6 @@
 //! - Method `paper`: the 2008 equation E3 in its three readings ([`PaperReading`]); what blows outside the grid follows from
 //!   the fans ([`outside_direction`]).
 
-mod median;
 mod outside;
 mod paper;
 mod physical;
