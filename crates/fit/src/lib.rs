@@ -24,7 +24,6 @@ use tousle_flow::AirFlow;
 
 /// Which method explains the motion, and how.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum FitMethod {
     /// Kazama, Sugisaki and Morishima 2008, eq. 3.
     Paper(PaperOptions),

@@ -16,7 +16,6 @@ use tousle_flow::AirFlow;
 
 /// Which method fills the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum RasterMethod {
     /// Kazama, Sugisaki and Morishima 2008, section 3.3.
     Paper,
