@@ -67,13 +67,7 @@ fn capture() -> HeadCapture {
     let track = |k: usize, m: usize| (0..N_FRAMES).map(|f| Some(position(k, m, f))).collect();
     let strand =
         |k: usize| StrandTracks { strand_idx: k, markers: (1..=N_MARKERS).map(|m| track(k, m)).collect() };
-    let pose = HeadPose {
-        world_from_head: Pose::identity(),
-        expected_error_m: 0.0,
-        fit_residual_m: 0.0,
-        n_used: 8,
-        n_visible: 8,
-    };
+    let pose = HeadPose::exact(Pose::identity(), 8);
     HeadCapture {
         rate_hz: 120.0,
         first_frame: 1,

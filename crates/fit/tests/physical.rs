@@ -125,13 +125,7 @@ fn capture() -> (HeadCapture, Session) {
         let track = |point: &usize| -> Track { frames.iter().map(|frame| Some(frame[*point])).collect() };
         StrandTracks { strand_idx, markers: MARKER_POINTS.iter().map(track).collect() }
     });
-    let pose = HeadPose {
-        world_from_head: Pose::identity(),
-        expected_error_m: 0.0,
-        fit_residual_m: 0.0,
-        n_used: 8,
-        n_visible: 8,
-    };
+    let pose = HeadPose::exact(Pose::identity(), 8);
     let head = HeadCapture {
         rate_hz: RATE_HZ,
         first_frame: 0,

@@ -131,13 +131,7 @@ fn capture(groom: &Groom) -> HeadCapture {
     let options = SimOptions { rate_hz: RATE_HZ, ..SimOptions::of(Method::Physical) };
     let motion = simulate(&field(), &scene(), groom, &options, &NoProgress).unwrap().motion;
     let n_frames = motion.times_secs.len();
-    let pose = HeadPose {
-        world_from_head: Pose::identity(),
-        expected_error_m: 0.0,
-        fit_residual_m: 0.0,
-        n_used: 8,
-        n_visible: 8,
-    };
+    let pose = HeadPose::exact(Pose::identity(), 8);
     let place = |frame: usize, strand: usize, point: usize| {
         Some(Vec3::from(motion.strand(frame, strand)[point].map(f64::from)))
     };

@@ -223,11 +223,8 @@ fn capture(session: &Session) -> HeadCapture {
         StrandTracks { strand_idx: k, markers: (1..=5).map(marker).collect() }
     });
     let pose_at = |f: usize| HeadPose {
-        world_from_head: pose(f as f64 / 120.0),
-        expected_error_m: 0.0,
         fit_residual_m: 2e-4 + 1e-4 * libm::sin(f as f64 * 0.3).abs(),
-        n_used: 3,
-        n_visible: 3,
+        ..HeadPose::exact(pose(f as f64 / 120.0), 3)
     };
     HeadCapture {
         rate_hz: 120.0,
