@@ -28,10 +28,10 @@ pub fn turning() -> (Scene, f64) {
     (Scene { poses, ..vacuum(Vec3::zeros()) }, angle(1.0))
 }
 
-/// A head that speeds up evenly, from the start on.
+/// A head that speeds up evenly, all the time; at the start it stands.
 pub fn speeding_up(acceleration: Vec3) -> Scene {
     let poses = head(240.0, |t| {
-        let way = acceleration * (0.5 * t.max(0.0) * t.max(0.0));
+        let way = acceleration * (0.5 * t * t);
         Pose::translation(way.x, way.y, way.z)
     });
     Scene { poses, ..vacuum(DOWN) }
