@@ -32,6 +32,25 @@ pub struct Session {
 }
 
 impl Session {
+    /// A session that says nothing yet: nobody knows of markers, locks, a body or fans, in air of 1.2 kg/m³.
+    pub fn unknown(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            subject: None,
+            rate_hz: None,
+            unit: None,
+            up_axis: None,
+            still_frames: None,
+            wind_start_frame: None,
+            head_markers: Vec::new(),
+            body: Body::none(),
+            fans: Vec::new(),
+            air_density: 1.2,
+            strands: Vec::new(),
+            assumed: Vec::new(),
+        }
+    }
+
     /// The still frames as indices from 0, both included, clipped to a capture; `None` if none is left.
     pub fn still_range(&self, first_frame: i64, n_frames: usize) -> Option<(usize, usize)> {
         let (first, last) = self.still_frames?;
@@ -126,21 +145,7 @@ mod tests {
     use super::*;
 
     fn session(still_frames: Option<(i64, i64)>, wind_start_frame: Option<i64>) -> Session {
-        Session {
-            name: String::new(),
-            subject: None,
-            rate_hz: None,
-            unit: None,
-            up_axis: None,
-            still_frames,
-            wind_start_frame,
-            head_markers: Vec::new(),
-            body: Body::none(),
-            fans: Vec::new(),
-            air_density: 1.2,
-            strands: Vec::new(),
-            assumed: Vec::new(),
-        }
+        Session { still_frames, wind_start_frame, ..Session::unknown("") }
     }
 
     /// Frames count from 5000; a session may name any.

@@ -103,15 +103,10 @@ fn session(groom: &Groom) -> Session {
             .collect(),
     };
     Session {
-        name: "a wig".into(),
-        subject: None,
         rate_hz: Some(RATE_HZ),
-        unit: None,
         up_axis: Some(UpAxis::Z),
         still_frames: Some((0, STILL_FRAMES as i64 - 1)),
         wind_start_frame: Some(STILL_FRAMES as i64),
-        head_markers: Vec::new(),
-        body: Body::none(),
         fans: vec![Fan {
             from_azimuth_rad: 0.0,
             to_azimuth_rad: None,
@@ -120,9 +115,8 @@ fn session(groom: &Groom) -> Session {
             blows_towards_world: None,
             program: "gusts".into(),
         }],
-        air_density: 1.2,
         strands: groom.strands.iter().map(spec).collect(),
-        assumed: Vec::new(),
+        ..Session::unknown("a wig")
     }
 }
 
