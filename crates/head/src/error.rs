@@ -42,7 +42,7 @@ pub enum HeadError {
     },
     /// No frame shows three markers that agree.
     #[error(
-        "no frame shows 3 head markers within {tolerance_mm} mm of their places on the head (of {n_frames} frames)"
+        "found none of {n_frames} frames that shows 3 head markers within {tolerance_mm} mm of their places on the head, expected one at least"
     )]
     NoPose {
         /// The tolerance, mm.
