@@ -63,7 +63,8 @@ struct Marker<'a> {
     track: Cow<'a, Track>,
     /// Where it is when nothing blows, head space, m.
     rest: Option<Vec3>,
-    /// The span of E3, s.
+    /// The time s of E3, s: how long the air is taken to have pushed it from where it started. Unused by
+    /// [`PaperReading::FirstFrame`], which counts from the first frame.
     span_secs: f64,
 }
 

@@ -46,9 +46,9 @@ pub struct Raster {
 pub struct RasterReport {
     /// Voxels times steps that held a marker.
     pub n_measured: u64,
-    /// Voxels times steps between measured ones.
+    /// Voxels times steps between measured ones; by `physical`, where locks tell of the air and no marker was.
     pub n_interpolated: u64,
-    /// Voxels times steps taken from the outside wind.
+    /// Voxels times steps taken from the outside wind; by `physical`, where locks tell little.
     pub n_outside: u64,
     /// Samples that lay outside the grid and were not used.
     pub n_samples_outside: u64,
