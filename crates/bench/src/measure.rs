@@ -144,7 +144,7 @@ fn judge(
     let cost = seen.cost + watch.stop();
     let simulate = match setting.fit {
         FitMethod::Paper(_) => SimOptions::of(Method::Paper),
-        _ => SimOptions::of(Method::Physical),
+        FitMethod::Physical(_) => SimOptions::of(Method::Physical),
     };
     let judged = sim_in_field(folder, &field, &scene, &simulate)?;
     let score =

@@ -10,7 +10,9 @@ use crate::spikes::cut_spikes;
 use crate::swaps::{Swap, mend_swaps};
 use rayon::prelude::*;
 use std::ops::Range;
-use tousle_core::{FrameSpan, HeadCapture, Sample, SampleKind, Session, StrandTracks, Track, runs};
+use tousle_core::{
+    FrameSpan, HeadCapture, Sample, SampleKind, Session, StrandTracks, Track, median_high, runs,
+};
 
 /// How tracks are cleaned.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,9 +139,7 @@ impl Work {
         let still = session.still_range(head.first_frame, head.n_frames());
         let tracks: Vec<Track> = head.strands.iter().flat_map(|s| s.markers.iter().cloned()).collect();
         let noise_m: Vec<Option<f64>> = tracks.par_iter().map(|t| white_noise(t, still)).collect();
-        let mut known: Vec<f64> = noise_m.iter().flatten().copied().collect();
-        known.sort_by(f64::total_cmp);
-        let usual_noise_m = known.get(known.len() / 2).copied().unwrap_or(0.0);
+        let usual_noise_m = median_high(noise_m.iter().flatten().copied().collect()).unwrap_or(0.0);
         let sample = |p: Option<_>| match p {
             Some(_) => Sample { kind: SampleKind::Seen, error_m: 0.0 },
             None => Sample { kind: SampleKind::Missing, error_m: f64::INFINITY },

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
-use tousle_core::{Track, Vec3};
+use tousle_core::{Track, Vec3, median_high};
 
 /// Degrees of freedom of the tails: hair is whipped and caught, so jumps of many times the usual occur.
 const TAIL: f64 = 3.0;
@@ -105,13 +105,12 @@ pub(crate) fn white_noise(track: &Track, still: Option<(usize, usize)>) -> Optio
         let p = |n: usize| track.at(f + n).filter(|_| f + n <= last);
         Some(p(3)? - 3.0 * p(2)? + 3.0 * p(1)? - p(0)?)
     };
-    let mut sizes: Vec<f64> =
+    let sizes: Vec<f64> =
         (first..=last).filter_map(third).flat_map(|d| [d.x.abs(), d.y.abs(), d.z.abs()]).collect();
     if sizes.len() < 24 {
         return None;
     }
-    sizes.sort_by(f64::total_cmp);
-    Some(1.4826 * sizes[sizes.len() / 2] / 20f64.sqrt())
+    Some(1.4826 * median_high(sizes)? / 20f64.sqrt())
 }
 
 #[cfg(test)]

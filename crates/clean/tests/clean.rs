@@ -4,7 +4,7 @@
 
 use tousle_clean::{CleanError, CleanOptions, clean};
 use tousle_core::{
-    Body, HeadCapture, HeadPose, Pose, SampleKind, Session, StrandMarker, StrandSpec, StrandTracks, Track,
+    HeadCapture, HeadPose, Pose, SampleKind, Session, StrandMarker, StrandSpec, StrandTracks, Track,
     UnlabeledTrack, Vec3,
 };
 
@@ -27,19 +27,11 @@ fn session() -> Session {
         markers: (1..=N_MARKERS).map(|m| marker(k, m)).collect(),
     };
     Session {
-        name: "three locks".to_owned(),
-        subject: None,
         rate_hz: Some(120.0),
-        unit: None,
-        up_axis: None,
         still_frames: Some((1, 100)),
         wind_start_frame: Some(101),
-        head_markers: Vec::new(),
-        body: Body::none(),
-        fans: Vec::new(),
-        air_density: 1.2,
         strands: (0..3).map(strand).collect(),
-        assumed: Vec::new(),
+        ..Session::unknown("three locks")
     }
 }
 
@@ -67,13 +59,7 @@ fn capture() -> HeadCapture {
     let track = |k: usize, m: usize| (0..N_FRAMES).map(|f| Some(position(k, m, f))).collect();
     let strand =
         |k: usize| StrandTracks { strand_idx: k, markers: (1..=N_MARKERS).map(|m| track(k, m)).collect() };
-    let pose = HeadPose {
-        world_from_head: Pose::identity(),
-        expected_error_m: 0.0,
-        fit_residual_m: 0.0,
-        n_used: 8,
-        n_visible: 8,
-    };
+    let pose = HeadPose::exact(Pose::identity(), 8);
     HeadCapture {
         rate_hz: 120.0,
         first_frame: 1,

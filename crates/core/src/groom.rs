@@ -71,7 +71,7 @@ impl fmt::Display for Assumption {
 #[non_exhaustive]
 pub enum GroomError {
     /// There is nothing to simulate.
-    #[error("the groom has no strands")]
+    #[error("found no strands in the groom, expected one at least")]
     Empty,
     /// A strand needs a root and a tip.
     #[error("strand {strand}: found {found} control points, expected at least 2")]
@@ -92,7 +92,7 @@ pub enum GroomError {
         found: [f64; 3],
     },
     /// Two neighboring points coincide.
-    #[error("strand {strand}: control points {point} and {} lie on one another", point + 1)]
+    #[error("strand {strand}: found control points {point} and {} on one another, expected them apart", point + 1)]
     EmptySegment {
         /// The strand's name.
         strand: String,

@@ -40,6 +40,19 @@ pub struct HeadPose {
     pub n_visible: usize,
 }
 
+impl HeadPose {
+    /// A pose that so many markers agree on without any error, as in a made-up capture.
+    pub fn exact(world_from_head: Pose, n_markers: usize) -> Self {
+        Self {
+            world_from_head,
+            expected_error_m: 0.0,
+            fit_residual_m: 0.0,
+            n_used: n_markers,
+            n_visible: n_markers,
+        }
+    }
+}
+
 /// The markers of one lock, head space, m.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrandTracks {

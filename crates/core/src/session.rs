@@ -32,6 +32,25 @@ pub struct Session {
 }
 
 impl Session {
+    /// A session that says nothing yet: nobody knows of markers, locks, a body or fans, in air of 1.2 kg/m³.
+    pub fn unknown(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            subject: None,
+            rate_hz: None,
+            unit: None,
+            up_axis: None,
+            still_frames: None,
+            wind_start_frame: None,
+            head_markers: Vec::new(),
+            body: Body::none(),
+            fans: Vec::new(),
+            air_density: 1.2,
+            strands: Vec::new(),
+            assumed: Vec::new(),
+        }
+    }
+
     /// The still frames as indices from 0, both included, clipped to a capture; `None` if none is left.
     pub fn still_range(&self, first_frame: i64, n_frames: usize) -> Option<(usize, usize)> {
         let (first, last) = self.still_frames?;
@@ -99,6 +118,17 @@ pub struct StrandSpec {
     pub markers: Vec<StrandMarker>,
 }
 
+impl StrandSpec {
+    /// How far down the lock a marker sits, m from the root: as measured, or as if all were spread evenly, the last one at the tip.
+    ///
+    /// # Panics
+    /// If the lock has no such marker.
+    pub fn marker_distance_m(&self, marker_idx: usize) -> f64 {
+        let evenly = (marker_idx + 1) as f64 / self.markers.len() as f64 * self.length_m;
+        self.markers[marker_idx].distance_from_root_m.unwrap_or(evenly)
+    }
+}
+
 /// A marker on a lock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrandMarker {
@@ -115,21 +145,7 @@ mod tests {
     use super::*;
 
     fn session(still_frames: Option<(i64, i64)>, wind_start_frame: Option<i64>) -> Session {
-        Session {
-            name: String::new(),
-            subject: None,
-            rate_hz: None,
-            unit: None,
-            up_axis: None,
-            still_frames,
-            wind_start_frame,
-            head_markers: Vec::new(),
-            body: Body::none(),
-            fans: Vec::new(),
-            air_density: 1.2,
-            strands: Vec::new(),
-            assumed: Vec::new(),
-        }
+        Session { still_frames, wind_start_frame, ..Session::unknown("") }
     }
 
     /// Frames count from 5000; a session may name any.
@@ -146,6 +162,21 @@ mod tests {
         ] {
             assert_eq!(session(Some(named), None).still_range(5000, 1000), expected, "{named:?}");
         }
+    }
+
+    #[test]
+    fn markers_that_nobody_measured_are_spread_evenly() {
+        let marker =
+            |distance_from_root_m| StrandMarker { label: String::new(), distance_from_root_m, mass_kg: 0.0 };
+        let lock = StrandSpec {
+            name: String::new(),
+            length_m: 0.5,
+            linear_density_kg_per_m: 1.5e-3,
+            lock_width_m: 0.02,
+            root_m: Vec3::zeros(),
+            markers: [None, Some(0.07), None, None].map(marker).to_vec(),
+        };
+        assert_eq!([0, 1, 2, 3].map(|k| lock.marker_distance_m(k)), [0.125, 0.07, 0.375, 0.5]);
     }
 
     #[test]

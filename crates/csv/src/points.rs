@@ -1,6 +1,6 @@
 use crate::CsvError;
 use crate::rows::Row;
-use tousle_cells::{Decimals, Numbers, whole};
+use tousle_cells::{Decimals, Numbers, half_positions, lost_digits, whole};
 
 /// A table of positions: one row a frame, three columns a point.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -145,17 +145,8 @@ impl PointReader {
                 self.odd_lines
             ));
         }
-        if let Some(line) = self.cut_line {
-            warnings.push(format!(
-                "line {line} has no end, and its last number fewer decimals than all above it: it counts as missing"
-            ));
-        }
-        if self.half_positions > 0 {
-            warnings.push(format!(
-                "{} positions have one or two of their three coordinates; they count as missing",
-                self.half_positions
-            ));
-        }
+        warnings.extend(self.cut_line.map(lost_digits));
+        warnings.extend(half_positions(self.half_positions));
         Ok((self.table, warnings))
     }
 

@@ -157,7 +157,8 @@ pub(crate) fn of_edit(number: usize, name: &str) -> impl Fn(String) -> EditError
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tousle_field::{FieldLayer, LayerOrigin};
+    use crate::testing::layer;
+    use tousle_field::FieldLayer;
 
     const EASES: [Ease; 4] = [
         Ease { rise: 0.0, fall: 0.0 },
@@ -217,25 +218,6 @@ mod tests {
         assert!((progress(EASES[0], 10)[5] - 0.25).abs() < 0.01);
     }
 
-    fn layer(ease: Ease) -> FieldLayer {
-        FieldLayer {
-            id: "1".into(),
-            name: "1".into(),
-            muted: false,
-            first_secs: 0.0,
-            last_secs: 1.0,
-            ease,
-            handles: Vec::new(),
-            reshape: None,
-            origin: LayerOrigin::Drag {
-                strand: "A".into(),
-                control_point: 1,
-                target_m: Vec3::zeros(),
-                method: "paper".into(),
-            },
-        }
-    }
-
     /// A strand of 200 mm along x whose tip half is pulled up by 1 and whose root not at all.
     fn ways() -> Vec<Way> {
         let way = |k: u8| Way {
@@ -252,7 +234,7 @@ mod tests {
         let ways = ways();
         let handles = handles(&ways, 4, 0.06).unwrap();
         assert_eq!(handles[0].center_m, ways[4].places_m[20]);
-        let layer = FieldLayer { handles, ..layer(EASES[0]) };
+        let layer = FieldLayer { handles, ease: EASES[0], ..layer("1") };
         for way in &ways {
             for place in &way.places_m {
                 let extra = layer.extra_at(*place);

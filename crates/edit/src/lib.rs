@@ -20,6 +20,8 @@ mod read;
 mod report;
 mod resolve;
 mod stack;
+#[cfg(test)]
+mod testing;
 mod wind;
 
 pub use apply::{Edited, Layers, METHOD, apply, free_id, make_layers, make_layers_on, out_of_reach};

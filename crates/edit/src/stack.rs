@@ -183,25 +183,10 @@ fn find<'a>(layers: &'a [FieldLayer], id: &str) -> Result<Vec<&'a FieldLayer>, E
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tousle_field::{Ease, Handle, Reshape};
+    use crate::testing::layer;
+    use tousle_field::{Handle, Reshape};
 
     fn stack() -> Vec<FieldLayer> {
-        let layer = |id: &str| FieldLayer {
-            id: id.into(),
-            name: id.to_uppercase(),
-            muted: false,
-            first_secs: 0.0,
-            last_secs: 1.0,
-            ease: Ease { rise: 0.5, fall: 0.5 },
-            handles: Vec::new(),
-            reshape: None,
-            origin: LayerOrigin::Drag {
-                strand: "A".into(),
-                control_point: 1,
-                target_m: Vec3::zeros(),
-                method: "paper".into(),
-            },
-        };
         vec![layer("a"), layer("b")]
     }
 

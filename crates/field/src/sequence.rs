@@ -37,10 +37,12 @@ pub struct Field {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum VoxelFlag {
-    /// From the wind outside the grid, perhaps bent towards what was measured nearest.
+    /// From the wind outside the grid, perhaps bent towards what was measured nearest; by `physical`, from what is likely of
+    /// air where the locks tell little.
     #[default]
     Outside = 0,
-    /// From measured voxels around it.
+    /// No marker was in it, but the markers tell of it: by the method `paper` it lies between measured voxels, by `physical`
+    /// the locks around narrowed down the air here.
     Interpolated = 1,
     /// A marker was in it.
     Measured = 2,

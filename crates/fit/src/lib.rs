@@ -7,7 +7,6 @@
 //! - Method `paper`: the 2008 equation E3 in its three readings ([`PaperReading`]); what blows outside the grid follows from
 //!   the fans ([`outside_direction`]).
 
-mod median;
 mod outside;
 mod paper;
 mod physical;
@@ -25,7 +24,6 @@ use tousle_flow::AirFlow;
 
 /// Which method explains the motion, and how.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum FitMethod {
     /// Kazama, Sugisaki and Morishima 2008, eq. 3.
     Paper(PaperOptions),
@@ -95,7 +93,7 @@ const MAX_STEPS_PER_FRAME: f64 = 4.0;
 pub enum FitError {
     /// Displacement from rest needs a rest.
     #[error(
-        "the session names no still frames that lie in the capture, and this reading needs the locks at rest"
+        "found no still frames in the capture that the session names, expected some: this reading needs the locks at rest"
     )]
     NoRest,
     /// A single frame tells nothing of motion.
@@ -123,7 +121,7 @@ pub enum FitError {
         most: f64,
     },
     /// Nobody knows where the head is.
-    #[error("the head has no pose in any frame")]
+    #[error("found no pose of the head in any frame, expected one at least")]
     NoPose,
     /// What the locks say of the air, with what is known before, is no definite system: numbers beyond all measure.
     #[error(
@@ -136,19 +134,29 @@ pub enum FitError {
         n_rounds: usize,
     },
     /// A lock needs two markers to have a shape.
-    #[error("no lock has two markers that were seen, at rest too if the session names still frames")]
+    #[error(
+        "found no lock with two markers that were seen, expected one at least; seen at rest too if the session names still frames"
+    )]
     NoLock,
     /// The samples' origins are of another capture.
-    #[error("lock {strand_idx}: the origins of its samples do not have the shape of its tracks")]
+    #[error(
+        "lock {strand_idx}: found where {found:?} samples of its markers come from, expected {expected:?}, a sample a frame"
+    )]
     Samples {
         /// The lock, from 0.
         strand_idx: usize,
+        /// Origins of each marker's samples.
+        found: Vec<usize>,
+        /// Frames of each marker's track.
+        expected: Vec<usize>,
     },
     /// Weight must point somewhere.
-    #[error("neither the session nor the options say which axis of the world is up")]
+    #[error("found no up axis of the world in session or options, expected one")]
     NoUpAxis,
     /// No marker of any lock was ever seen where it was needed.
-    #[error("no marker of any lock gives a sample ({n_missing} markers times steps are missing)")]
+    #[error(
+        "found no sample of any lock's marker, expected some ({n_missing} markers times steps are missing)"
+    )]
     NoSamples {
         /// Markers times steps without a sample.
         n_missing: usize,
@@ -262,11 +270,10 @@ fn check(
     }
     let Some(origins) = origins else { return Ok(()) };
     for (strand_idx, strand) in head.strands.iter().enumerate() {
-        let lengths = |of_strand: &Vec<Vec<Sample>>| {
-            of_strand.iter().map(Vec::len).eq(strand.markers.iter().map(Track::n_frames))
-        };
-        if !origins.get(strand_idx).is_some_and(lengths) {
-            return Err(FitError::Samples { strand_idx });
+        let found: Vec<usize> = origins.get(strand_idx).into_iter().flatten().map(Vec::len).collect();
+        let expected: Vec<usize> = strand.markers.iter().map(Track::n_frames).collect();
+        if found != expected {
+            return Err(FitError::Samples { strand_idx, found, expected });
         }
     }
     Ok(())

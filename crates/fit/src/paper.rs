@@ -1,10 +1,9 @@
-use crate::median::median;
 use crate::resample::{n_filled, n_steps, position_at};
 use crate::{Fit, FitError, FitReport, outside_direction};
 use std::borrow::Cow;
 use tousle_core::{
     HeadCapture, Pose, Quantity, STANDARD_GRAVITY, Sample, SampleKind, Session, Track, Vec3, WindSample,
-    WindSamples,
+    WindSamples, median_high,
 };
 
 /// How equation E3 is read.
@@ -64,7 +63,8 @@ struct Marker<'a> {
     track: Cow<'a, Track>,
     /// Where it is when nothing blows, head space, m.
     rest: Option<Vec3>,
-    /// The span of E3, s.
+    /// The time s of E3, s: how long the air is taken to have pushed it from where it started. Unused by
+    /// [`PaperReading::FirstFrame`], which counts from the first frame.
     span_secs: f64,
 }
 
@@ -137,11 +137,9 @@ fn markers<'a>(
         for (marker_idx, track) in strand.markers.iter().enumerate() {
             let track = seen(track, origins.map(|o| &o[strand.strand_idx][marker_idx][..]));
             let rest = still.and_then(|(first, last)| mean(&track, first, last));
-            let evenly = (marker_idx + 1) as f64 / strand.markers.len() as f64 * spec.length_m;
-            let distance_m = spec.markers[marker_idx].distance_from_root_m.unwrap_or(evenly);
             let span_secs = match options.span {
                 PaperSpan::Secs(secs) => secs,
-                PaperSpan::FreeFall => (2.0 * distance_m / STANDARD_GRAVITY).sqrt(),
+                PaperSpan::FreeFall => (2.0 * spec.marker_distance_m(marker_idx) / STANDARD_GRAVITY).sqrt(),
             };
             markers.push(Marker { strand_idx: strand.strand_idx, marker_idx, track, rest, span_secs });
         }
@@ -208,7 +206,7 @@ fn noise(markers: &[Marker<'_>], still: Option<(usize, usize)>) -> Option<f64> {
             .collect();
         (squares.len() >= 10).then(|| (squares.iter().sum::<f64>() / (squares.len() - 1) as f64).sqrt())
     };
-    median(markers.iter().filter_map(of_marker).collect())
+    median_high(markers.iter().filter_map(of_marker).collect())
 }
 
 /// The wind outside: the fans' direction, with the mean strength that the markers feel along it at that time.

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use tousle_core::{
-    Body, Fan, HeadCapture, HeadPose, NoProgress, Pose, Session, StrandMarker, StrandSpec, StrandTracks,
-    Track, UpAxis, Vec3,
+    Fan, HeadCapture, HeadPose, NoProgress, Pose, Session, StrandMarker, StrandSpec, StrandTracks, Track,
+    UpAxis, Vec3,
 };
 use tousle_fit::{Fit, FitMethod, FitOptions, PhysicalOptions, fit};
 
@@ -90,15 +90,10 @@ fn session(roots: &[(Vec3, f64)]) -> Session {
             .collect(),
     };
     Session {
-        name: "chains".into(),
-        subject: None,
         rate_hz: Some(RATE_HZ),
-        unit: None,
         up_axis: Some(UpAxis::Z),
         still_frames: Some((0, WIND_FROM as i64 - 1)),
         wind_start_frame: Some(WIND_FROM as i64),
-        head_markers: Vec::new(),
-        body: Body::none(),
         fans: vec![Fan {
             from_azimuth_rad: core::f64::consts::PI,
             to_azimuth_rad: None,
@@ -107,9 +102,8 @@ fn session(roots: &[(Vec3, f64)]) -> Session {
             blows_towards_world: None,
             program: "swells".into(),
         }],
-        air_density: 1.2,
         strands: roots.iter().enumerate().map(strand).collect(),
-        assumed: Vec::new(),
+        ..Session::unknown("chains")
     }
 }
 
@@ -125,13 +119,7 @@ fn capture() -> (HeadCapture, Session) {
         let track = |point: &usize| -> Track { frames.iter().map(|frame| Some(frame[*point])).collect() };
         StrandTracks { strand_idx, markers: MARKER_POINTS.iter().map(track).collect() }
     });
-    let pose = HeadPose {
-        world_from_head: Pose::identity(),
-        expected_error_m: 0.0,
-        fit_residual_m: 0.0,
-        n_used: 8,
-        n_visible: 8,
-    };
+    let pose = HeadPose::exact(Pose::identity(), 8);
     let head = HeadCapture {
         rate_hz: RATE_HZ,
         first_frame: 0,

@@ -247,7 +247,7 @@ fn what_is_no_groom_says_so() {
         (b"\x89HDF\r\n\x1a\n....", "export the curves as .usda"),
         (b"Ogawa\xff\x00\x01", "Alembic groom, the header: found 8 bytes"),
         (b"#usda 1.0\n", "no BasisCurves"),
-        (b"{\"strands\": []}", "the groom has no strands"),
+        (b"{\"strands\": []}", "found no strands in the groom, expected one"),
         (b"{\"strands\": [{\"rest_curve_m\": [[0,0,0]]}]}", "1 of 1 strands have no segment"),
         (
             b"{\"strands\": [{\"rest_curve_m\": [[0,0,0],[0,0,1]], \"lock_width_m\": -1}]}",

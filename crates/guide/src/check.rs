@@ -16,8 +16,8 @@ pub struct FollowError {
     pub p95_mm: f64,
     /// The largest distance, mm.
     pub max_mm: f64,
-    /// 1 − rms distance / rms displacement from rest: 1 is perfect, 0 no better than hair that never moves. 1
-    /// where nothing moves.
+    /// 1 − rms distance / rms displacement from where the simulator has them in the first frame: 1 is perfect, 0 no better
+    /// than hair that never moves. 1 where nothing moves.
     pub explained: f64,
 }
 

@@ -5,16 +5,20 @@
 //! a field file carries, and expresses every lock in head space. [`find_still`] finds when the hair hung still, where nobody said.
 
 mod bridge;
+mod error;
 mod frames;
 mod labels;
 mod locate;
 mod mirror;
 mod registration;
+mod report;
 mod shape;
 mod smooth;
 mod still;
 
+pub use error::HeadError;
 pub use frames::{FrameQuality, LabelMended, PoseGap};
-pub use locate::{HeadError, HeadOptions, HeadReport, Located, MarkerReport, locate_head};
+pub use locate::{HeadOptions, Located, locate_head};
+pub use report::{HeadReport, MarkerReport};
 pub use smooth::{PoseTrackReport, SmoothOptions, TrackedPoses};
 pub use still::{StillFound, find_still};

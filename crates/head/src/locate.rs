@@ -1,14 +1,14 @@
-use crate::frames::{FrameQuality, LabelMended, PoseGap, label_spans, n_visible, pose_gaps};
+use crate::error::HeadError;
+use crate::frames::{FrameQuality, label_spans, n_visible, pose_gaps};
 use crate::labels::mend_labels;
 use crate::mirror::{Mirrored, mirrored};
 use crate::registration::{Pair, Registration, register};
-use crate::shape::{HeadShape, head_shape, median};
-use crate::smooth::{PoseTrackReport, SmoothOptions, TrackedPoses, pose_track};
+use crate::report::{HeadReport, marker_reports, report};
+use crate::shape::{HeadShape, head_shape};
+use crate::smooth::{SmoothOptions, TrackedPoses, pose_track};
 use rayon::prelude::*;
-use serde::Serialize;
 use tousle_core::{
-    Capture, FrameSpan, HeadCapture, HeadMarker, HeadPose, Session, StrandTracks, Track, UnlabeledTrack,
-    Vec3, runs,
+    Capture, HeadCapture, HeadMarker, HeadPose, Session, StrandTracks, Track, UnlabeledTrack, Vec3, median,
 };
 
 /// How the head is found.
@@ -41,118 +41,6 @@ pub struct Located {
     pub tracked: TrackedPoses,
     /// What was found on the way.
     pub report: HeadReport,
-}
-
-/// How the head was found.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct HeadReport {
-    /// Each head marker, in the session's order.
-    pub markers: Vec<MarkerReport>,
-    /// Where there is no pose, and why.
-    pub without_pose: Vec<PoseGap>,
-    /// Samples that stood under another head marker's label.
-    pub labels_mended: Vec<LabelMended>,
-    /// Each frame's own quality.
-    pub frames: FrameQuality,
-    /// Root mean square of the per-frame residuals, m; `None` if no frame has a pose.
-    pub fit_residual_m: Option<f64>,
-    /// White noise of a marker coordinate in the still interval, m; `None` without a still interval.
-    pub noise_m: Option<f64>,
-    /// How the poses became a smooth track.
-    pub pose_track: PoseTrackReport,
-}
-
-impl HeadReport {
-    /// How many frames have no pose, not even one that can be told from those around them.
-    pub fn n_without_pose(&self) -> usize {
-        let lost = self.without_pose.iter().filter(|gap| gap.bridged_to_m.is_none());
-        lost.map(|gap| gap.span.n_frames()).sum::<u64>() as usize
-    }
-}
-
-/// How one head marker behaved.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct MarkerReport {
-    /// Its label.
-    pub label: String,
-    /// Share of frames in which it was seen.
-    pub seen: f64,
-    /// Share of the frames in which it was seen and agreed with the pose.
-    pub agreed: f64,
-    /// Whether it was used at all.
-    pub trusted: bool,
-    /// How far its place in the still frames is from the session's, m.
-    pub correction_m: f64,
-    /// Frames in which no camera saw it.
-    pub missing: Vec<FrameSpan>,
-    /// Frames with a pose in which it was seen and left out.
-    pub left_out: Vec<FrameSpan>,
-}
-
-impl MarkerReport {
-    /// Whether it was there and is not used, as it moves by itself: one that was never seen did nothing wrong.
-    pub fn is_left_out(&self) -> bool {
-        !self.trusted && !self.is_never_seen()
-    }
-
-    /// Whether no frame shows it.
-    pub fn is_never_seen(&self) -> bool {
-        self.seen <= 0.0
-    }
-}
-
-/// Why no head can be found.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum HeadError {
-    /// So many of the head's markers are not in the capture that fewer than three are.
-    #[error("found {found} of the head's markers in the capture, expected at least 3: it does not have {}", labels.join(", "))]
-    MissingMarkers {
-        /// How many there are.
-        found: usize,
-        /// Labels of those that are not.
-        labels: Vec<String>,
-    },
-    /// Three markers settle a pose.
-    #[error("found {found} head markers in the session, expected at least 3")]
-    TooFewMarkers {
-        /// How many there are.
-        found: usize,
-    },
-    /// The head in the capture is of another size than the session's.
-    #[error(
-        "found head markers {scale:.3} times as far apart as in the session, expected the same size: is the capture in another unit \
-         than its file names (`unit` overrides that), or are the session's millimeters others?"
-    )]
-    OtherScale {
-        /// The size in the capture over that in the session.
-        scale: f64,
-    },
-    /// The head in the capture is the mirror image of the session's.
-    #[error(
-        "found head markers {} where a mirror has them: {mirrored_mm:.1} mm from the session's places mirrored, {as_labeled_mm:.0} mm \
-         from the places themselves, expected the head as it is: are left and right exchanged, or is the capture or the session \
-         a mirrored (left-handed) export?",
-        labels.join(", ")
-    )]
-    Mirrored {
-        /// Labels of the markers that fit in the mirror.
-        labels: Vec<String>,
-        /// Root mean square distance of these from the session's places in the mirror, mm.
-        mirrored_mm: f64,
-        /// The same from the places themselves, mm.
-        as_labeled_mm: f64,
-    },
-    /// No frame shows three markers that agree.
-    #[error(
-        "no frame shows 3 head markers within {tolerance_mm} mm of their places on the head (of {n_frames} frames)"
-    )]
-    NoPose {
-        /// The tolerance, mm.
-        tolerance_mm: f64,
-        /// Frames in the capture.
-        n_frames: usize,
-    },
 }
 
 /// Finds the head's pose in every frame and expresses every lock in head space.
@@ -242,8 +130,7 @@ fn scale(tracks: &[Track], session: &Session) -> Option<f64> {
         }
         (own2 > 0.0).then(|| (seen2 / own2).sqrt())
     };
-    let scales: Vec<f64> = (0..n_frames).filter_map(at).collect();
-    (!scales.is_empty()).then(|| median(scales))
+    median((0..n_frames).filter_map(at).collect())
 }
 
 /// How far off hair may be seen from a pose that is told from those around, m. If it falls, more hair is thrown away with its
@@ -407,55 +294,4 @@ fn to_head(track: &Track, poses: &[Option<HeadPose>], tracked: &TrackedPoses) ->
         let world_from_head = tracked.pose(frame);
         Some(world_from_head.inverse_transform_point(&p_world.into()).coords)
     })
-}
-
-fn marker_reports(
-    registrations: &[Option<Registration>],
-    session: &Session,
-    tracks: &[Track],
-    shape: &HeadShape,
-    agreement: &[f64],
-    trust: &[f64],
-    head: &HeadCapture,
-) -> Vec<MarkerReport> {
-    let n_frames = head.n_frames();
-    let spans = |has: &dyn Fn(usize) -> bool| -> Vec<FrameSpan> {
-        runs(n_frames, has).iter().map(|run| FrameSpan::of(head.first_frame, run)).collect()
-    };
-    let is_left_out = |k: usize, f: usize| {
-        tracks[k].at(f).is_some() && registrations[f].as_ref().is_some_and(|r| !r.used.contains(&k))
-    };
-    let marker = |k: usize| MarkerReport {
-        label: session.head_markers[k].label.clone(),
-        seen: tracks[k].n_valid() as f64 / n_frames.max(1) as f64,
-        agreed: agreement[k],
-        trusted: trust[k] > 0.0,
-        correction_m: shape.correction_m[k],
-        missing: spans(&|f| tracks[k].at(f).is_none()),
-        left_out: spans(&|f| is_left_out(k, f)),
-    };
-    (0..tracks.len()).map(marker).collect()
-}
-
-fn report(
-    own_poses: &[Option<HeadPose>],
-    markers: Vec<MarkerReport>,
-    labels_mended: Vec<LabelMended>,
-    without_pose: Vec<PoseGap>,
-    frames: FrameQuality,
-    shape: &HeadShape,
-    tracked: &TrackedPoses,
-) -> HeadReport {
-    let residuals: Vec<f64> =
-        own_poses.iter().flatten().map(|p| p.fit_residual_m * p.fit_residual_m).collect();
-    HeadReport {
-        markers,
-        without_pose,
-        labels_mended,
-        frames,
-        fit_residual_m: (!residuals.is_empty())
-            .then(|| (residuals.iter().sum::<f64>() / residuals.len() as f64).sqrt()),
-        noise_m: shape.noise_m,
-        pose_track: tracked.report.clone(),
-    }
 }

@@ -1,5 +1,5 @@
 use crate::registration::{Pair, least_squares, register};
-use tousle_core::{Session, Track, Vec3};
+use tousle_core::{Session, Track, Vec3, median};
 
 /// The head's markers as they really sit, head space, m.
 #[derive(Clone, Debug)]
@@ -60,17 +60,18 @@ pub(crate) fn head_shape(
     shape
 }
 
-/// The coordinate-wise median of the still frames, robust to a swapped label; `None` if seen in fewer than 5.
+/// Where a marker is in the still frames, robust to a swapped label; `None` if it is seen in fewer than 5, or at no one place.
 fn still_mean(track: &Track, first: usize, last: usize) -> Option<Vec3> {
     let seen: Vec<Vec3> = (first..=last).filter_map(|f| track.at(f)).collect();
     if seen.len() < 5 {
         return None;
     }
-    let median = |axis: usize| median(seen.iter().map(|p| p[axis]).collect());
-    let middle = Vec3::new(median(0), median(1), median(2));
+    let along = |axis: usize| median(seen.iter().map(|p| p[axis]).collect());
+    let middle = Vec3::new(along(0)?, along(1)?, along(2)?);
     // The mean of what lies within 5 mm of the median: as robust, and 1.25 times less noisy.
     let near: Vec<Vec3> = seen.into_iter().filter(|p| (p - middle).norm() < 5e-3).collect();
-    Some(near.iter().sum::<Vec3>() / near.len().max(1) as f64)
+    // None is where a label goes from marker to marker: the median, axis by axis, then lies between the places.
+    (!near.is_empty()).then(|| near.iter().sum::<Vec3>() / near.len() as f64)
 }
 
 /// White noise of one coordinate, m: from the median absolute deviation over all still samples.
@@ -82,15 +83,19 @@ fn still_noise(tracks: &[Track], means: &[Option<Vec3>], first: usize, last: usi
             deviations.extend((p - mean).iter().map(|c| c.abs()));
         }
     }
-    (!deviations.is_empty()).then(|| 1.4826 * median(deviations))
+    Some(1.4826 * median(deviations)?)
 }
 
-/// The middle value, or the mean of the two middle ones; NaN for none.
-pub(crate) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    match values.len() {
-        0 => f64::NAN,
-        n if n % 2 == 1 => values[n / 2],
-        n => (values[n / 2 - 1] + values[n / 2]) / 2.0,
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A label that changes among three places in turn has its median, axis by axis, at none of them.
+    #[test]
+    fn a_marker_at_no_one_place_has_no_mean() {
+        let places = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
+        let turns = |n: usize| -> Track { (0..12).map(|f| Some(places[f % n])).collect() };
+        assert_eq!(still_mean(&turns(1), 0, 11), Some(places[0]));
+        assert_eq!(still_mean(&turns(3), 0, 11), None);
     }
 }

@@ -1,6 +1,5 @@
-use crate::shape::median;
 use rayon::prelude::*;
-use tousle_core::{FrameSpan, HeadCapture, Track, Vec3, runs};
+use tousle_core::{FrameSpan, HeadCapture, Track, Vec3, median, runs};
 
 /// Frames in which hair was seen to hang still, though nobody said so.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,13 +43,14 @@ pub fn find_still(head: &HeadCapture) -> Option<StillFound> {
     let quiet = runs(moves_m.len(), |start| moves_m[start] <= most_m);
     // The first of the longest: hair that was never blown hangs best.
     let longest = quiet.iter().rev().max_by_key(|starts| starts.len())?;
+    let still_m = median(moves_m[longest.clone()].to_vec())?;
     let (first, end) = (longest.start, longest.end - 1 + window);
     let margin = frames_of(MARGIN_SECS);
     let first = if first == 0 { first } else { first + margin };
     let end = if end == head.n_frames() { end } else { end - margin };
     (end >= first + window).then(|| StillFound {
         span: FrameSpan::of(head.first_frame, &(first..end)),
-        moves_m: median(moves_m[longest.clone()].to_vec()),
+        moves_m: still_m,
         moves_else_m,
     })
 }

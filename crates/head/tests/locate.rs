@@ -3,9 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::ops::Range;
-use tousle_core::{
-    Body, Capture, HeadMarker, Pose, Session, StrandMarker, StrandSpec, Track, Trajectory, Vec3,
-};
+use tousle_core::{Capture, HeadMarker, Pose, Session, StrandMarker, StrandSpec, Track, Trajectory, Vec3};
 use tousle_head::{HeadError, HeadOptions, Located, locate_head};
 
 const N_FRAMES: usize = 480;
@@ -45,19 +43,10 @@ fn session() -> Session {
         markers: vec![StrandMarker { label: "S01_1".to_owned(), distance_from_root_m: None, mass_kg: 1e-5 }],
     };
     Session {
-        name: "a turn".to_owned(),
-        subject: None,
-        rate_hz: None,
-        unit: None,
-        up_axis: None,
         still_frames: Some((1, 120)),
-        wind_start_frame: None,
         head_markers: (0..8).map(head_marker).collect(),
-        body: Body::none(),
-        fans: Vec::new(),
-        air_density: 1.2,
         strands: vec![strand],
-        assumed: Vec::new(),
+        ..Session::unknown("a turn")
     }
 }
 

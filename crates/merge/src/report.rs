@@ -30,7 +30,7 @@ pub struct InputReport {
     pub sha256: String,
     /// What it is called.
     pub field: String,
-    /// The method and the program that made it.
+    /// The method by which it was made.
     pub method: String,
     /// The program that made it.
     pub generator: String,

@@ -6,7 +6,7 @@ use tousle_clean::{
     CleanReport, FillMethod, GapFilled, GhostRefused, MarkerTimeline, PieceGivenBack, SpikeCut, SwapMended,
     Unfilled,
 };
-use tousle_core::{Body, FrameSpan, Session};
+use tousle_core::{FrameSpan, Session};
 use tousle_head::{FrameQuality, HeadReport, LabelMended, MarkerReport, PoseGap, PoseTrackReport};
 use tousle_page::{QualityPage, quality_page};
 
@@ -15,21 +15,7 @@ fn span(first_frame: i64, last_frame: i64) -> FrameSpan {
 }
 
 fn session() -> Session {
-    Session {
-        name: "a wig".to_owned(),
-        subject: None,
-        rate_hz: None,
-        unit: None,
-        up_axis: None,
-        still_frames: Some((101, 120)),
-        wind_start_frame: None,
-        head_markers: Vec::new(),
-        body: Body::none(),
-        fans: Vec::new(),
-        air_density: 1.2,
-        strands: Vec::new(),
-        assumed: Vec::new(),
-    }
+    Session { still_frames: Some((101, 120)), ..Session::unknown("a wig") }
 }
 
 fn head() -> HeadReport {

@@ -189,6 +189,5 @@ fn method_name(options: &FitOptions) -> &'static str {
     match options.method {
         FitMethod::Paper(_) => "paper",
         FitMethod::Physical(_) => "physical",
-        _ => "unknown",
     }
 }

@@ -179,11 +179,7 @@ fn several(found: &[String]) -> String {
 
 /// The distances from the root to the first marker that was seen for a while, and from each to the next. `None` if none was.
 fn way<'a>(spec: &'a StrandSpec, tracks: &[Track]) -> Option<Way<'a>> {
-    let n_markers = spec.markers.len();
-    let place_m = |idx: usize| {
-        let evenly = spec.length_m * (idx + 1) as f64 / n_markers as f64;
-        spec.markers[idx].distance_from_root_m.unwrap_or(evenly)
-    };
+    let place_m = |idx: usize| spec.marker_distance_m(idx);
     let mut way: Option<Way<'_>> = None;
     let mut before: Option<usize> = None;
     for (idx, track) in tracks.iter().enumerate() {

@@ -94,7 +94,7 @@ pub fn measure(
 /// The way to fill the grid that goes with a way to fit.
 fn raster_method(options: &FitOptions) -> RasterMethod {
     match options.method {
+        FitMethod::Paper(_) => RasterMethod::Paper,
         FitMethod::Physical(_) => RasterMethod::Physical,
-        _ => RasterMethod::Paper,
     }
 }

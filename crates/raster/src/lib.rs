@@ -16,7 +16,6 @@ use tousle_flow::AirFlow;
 
 /// Which method fills the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum RasterMethod {
     /// Kazama, Sugisaki and Morishima 2008, section 3.3.
     Paper,
@@ -47,9 +46,9 @@ pub struct Raster {
 pub struct RasterReport {
     /// Voxels times steps that held a marker.
     pub n_measured: u64,
-    /// Voxels times steps between measured ones.
+    /// Voxels times steps between measured ones; by `physical`, where locks tell of the air and no marker was.
     pub n_interpolated: u64,
-    /// Voxels times steps taken from the outside wind.
+    /// Voxels times steps taken from the outside wind; by `physical`, where locks tell little.
     pub n_outside: u64,
     /// Samples that lay outside the grid and were not used.
     pub n_samples_outside: u64,

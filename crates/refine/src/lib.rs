@@ -15,7 +15,8 @@ mod rounds;
 mod stiffness;
 mod wig;
 
-pub use report::{RefineReport, Round, Stiffness};
+pub use report::{RefineReport, Round};
+pub use stiffness::Stiffness;
 
 use rounds::Loop;
 use std::error::Error;

@@ -1,3 +1,4 @@
+use crate::stiffness::Stiffness;
 use serde::Serialize;
 
 /// What happened when a wind was refined.
@@ -12,15 +13,6 @@ pub struct RefineReport {
     pub rounds: Vec<Round>,
     /// Rounds that were gone with all locks and kept: 0 means that the wind is as it was measured.
     pub kept: usize,
-}
-
-/// How stiff all locks of a wig are.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Stiffness {
-    /// Over what is likely of such hair.
-    pub times: f64,
-    /// Standard deviation of its logarithm.
-    pub spread: f64,
 }
 
 /// A wig that is off by more than this share of how far it moved is believed less: on captures of all that a session should

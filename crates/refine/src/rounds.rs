@@ -2,8 +2,7 @@
 
 use crate::compare::{Compared, compare};
 use crate::learn::learn;
-use crate::report::Stiffness;
-use crate::stiffness::{ROUGH_RATE_HZ, Sought};
+use crate::stiffness::{ROUGH_RATE_HZ, Sought, Stiffness};
 use crate::wig::{capture, simulated, with_scales};
 use crate::{Lay, Measured, RefineError};
 use tousle_core::{HeadCapture, NoProgress, Track};

@@ -1,8 +1,8 @@
 //! How stiff the whole wig is, from which stiffness lets it move in its own wind as it was seen to.
 
-use crate::report::Stiffness;
 use crate::rounds::Loop;
 use crate::{Measured, RefineError};
+use serde::Serialize;
 use tousle_field::GridSpec;
 use tousle_fit::{Fit, FitMethod, FitOptions, LIKELY_STIFFNESS_SPREAD, Scales};
 
@@ -38,6 +38,15 @@ impl Sought {
     pub(crate) fn likely(&self) -> Stiffness {
         self.stiffness.unwrap_or(Stiffness { times: 1.0, spread: LIKELY_STIFFNESS_SPREAD })
     }
+}
+
+/// How stiff all locks of a wig are.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Stiffness {
+    /// Over what is likely of such hair.
+    pub times: f64,
+    /// Standard deviation of its logarithm.
+    pub spread: f64,
 }
 
 impl Stiffness {

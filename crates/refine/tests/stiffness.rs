@@ -103,15 +103,10 @@ fn session(groom: &Groom) -> Session {
             .collect(),
     };
     Session {
-        name: "a wig".into(),
-        subject: None,
         rate_hz: Some(RATE_HZ),
-        unit: None,
         up_axis: Some(UpAxis::Z),
         still_frames: Some((0, STILL_FRAMES as i64 - 1)),
         wind_start_frame: Some(STILL_FRAMES as i64),
-        head_markers: Vec::new(),
-        body: Body::none(),
         fans: vec![Fan {
             from_azimuth_rad: 0.0,
             to_azimuth_rad: None,
@@ -120,9 +115,8 @@ fn session(groom: &Groom) -> Session {
             blows_towards_world: None,
             program: "gusts".into(),
         }],
-        air_density: 1.2,
         strands: groom.strands.iter().map(spec).collect(),
-        assumed: Vec::new(),
+        ..Session::unknown("a wig")
     }
 }
 
@@ -131,13 +125,7 @@ fn capture(groom: &Groom) -> HeadCapture {
     let options = SimOptions { rate_hz: RATE_HZ, ..SimOptions::of(Method::Physical) };
     let motion = simulate(&field(), &scene(), groom, &options, &NoProgress).unwrap().motion;
     let n_frames = motion.times_secs.len();
-    let pose = HeadPose {
-        world_from_head: Pose::identity(),
-        expected_error_m: 0.0,
-        fit_residual_m: 0.0,
-        n_used: 8,
-        n_visible: 8,
-    };
+    let pose = HeadPose::exact(Pose::identity(), 8);
     let place = |frame: usize, strand: usize, point: usize| {
         Some(Vec3::from(motion.strand(frame, strand)[point].map(f64::from)))
     };

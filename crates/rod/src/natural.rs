@@ -4,7 +4,7 @@ use crate::rest::{joint_torques, weight_on_points};
 use crate::turn::{shortest_rotation, shortest_turn};
 use nalgebra::UnitQuaternion;
 use rayon::prelude::*;
-use tousle_core::Vec3;
+use tousle_core::{Vec3, median_high};
 
 /// What shape a lock is likely to have without load.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,9 +64,9 @@ impl Fall {
         if rates.len() < Self::ENOUGH_JOINTS {
             return None;
         }
-        let rate_per_m = median(rates);
+        let rate_per_m = median_high(rates)?;
         let curls = joints.iter().map(|j| (j.curvature - j.fall * rate_per_m).norm_squared()).collect();
-        let curl_per_m = (median(curls) / Self::MEDIAN_SQUARE).sqrt();
+        let curl_per_m = (median_high(curls)? / Self::MEDIAN_SQUARE).sqrt();
         (curl_per_m > 0.0).then_some(Self { rate_per_m, curl_per_m })
     }
 
@@ -95,11 +95,6 @@ impl FreeJoint {
         let joint = |j: usize| Self { curvature: curvature(lock, &torques, j), fall: falls[j] };
         (1..lock.n_sticks()).map(joint).collect()
     }
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// The curvature of the natural shape at a joint beyond the root, 1/m: what the joint leaves of the rest curve when it lets go.

@@ -144,10 +144,14 @@ fn friction(body: &Body, timeline: &Timeline<'_>, n_reaching: &[usize]) -> PlanE
 
 fn edits(layers: &[FieldLayer]) -> PlanEntry {
     let n_muted = layers.iter().filter(|layer| layer.muted).count();
-    let n_active = layers.len() - n_muted;
+    let n_active = layers.iter().filter(|layer| !layer.does_nothing()).count();
+    let idle = match layers.len() - n_active - n_muted {
+        0 => String::new(),
+        n => format!(", {n} that change nothing"),
+    };
     if n_active > 0 {
-        entry("edits", true, format!("{n_active} layers, {n_muted} muted"))
+        entry("edits", true, format!("{n_active} layers, {n_muted} muted{idle}"))
     } else {
-        entry("edits", false, format!("the field has no layer that acts ({n_muted} muted)"))
+        entry("edits", false, format!("the field has no layer that acts ({n_muted} muted{idle})"))
     }
 }

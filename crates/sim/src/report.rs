@@ -22,7 +22,7 @@ pub struct SimReport {
     pub limit: String,
     /// The step that was taken, or by [`Integrator::Adaptive`] the longest that may be, s.
     pub dt_secs: f64,
-    /// Steps that were taken; with method `physical` of each strand, added up.
+    /// Steps that were taken, those of all strands added up: one strand through one step counts 1.
     pub n_steps: u64,
     /// Iterations that a step took on average.
     pub iterations_per_step: f64,

@@ -2,25 +2,11 @@
 
 mod common;
 
+use common::head::{apart, rises, speeding_up, tilted, turned_about_z, turning};
 use common::{DOWN, options, run, straight, track, uniform, vacuum};
-use tousle_core::{Pose, PoseTrack, Quantity, Vec3};
+use tousle_core::{Quantity, Vec3};
 use tousle_field::Scene;
 use tousle_sim::{Integrator, Method, TimeMode};
-
-/// A still head, tilted by an angle about y since the strands were at rest: they are released from there.
-fn tilted(angle: f64) -> Scene {
-    let turn = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::y() * angle);
-    Scene { poses: PoseTrack::still(Pose::from_parts(Vec3::zeros().into(), turn)), ..vacuum(DOWN) }
-}
-
-/// Times at which a signal passes its level upwards, linear between frames.
-fn rises(signal: &[f64], level: f64, rate_hz: f64) -> Vec<f64> {
-    let passes = |k: usize| signal[k] <= level && signal[k + 1] > level;
-    (0..signal.len() - 1)
-        .filter(|k| passes(*k))
-        .map(|k| (k as f64 + (level - signal[k]) / (signal[k + 1] - signal[k])) / rate_hz)
-        .collect()
-}
 
 /// One limp stick with its mass at the tip is a pendulum: 2π √(l/g), 0.7778 s for 15 cm and 5° of swing.
 #[test]
@@ -107,25 +93,14 @@ fn the_number_of_sticks_does_not_matter() {
 #[test]
 fn a_heads_acceleration_is_gravity_tilted() {
     let acceleration = Vec3::new(2.0, -1.0, 0.5);
-    let rate_hz = 240.0;
-    let pose = |k: usize| {
-        let t = k as f64 / rate_hz;
-        Pose::from_parts((acceleration * (0.5 * t * t)).into(), nalgebra::UnitQuaternion::identity())
-    };
-    let poses = PoseTrack { start_secs: -0.5, rate_hz, poses: (0..=600).map(pose).collect() };
     let field = uniform(Quantity::ForcePerMass, 1.0, &[Vec3::zeros()]);
     let strand = || vec![straight(Vec3::new(0.0, 0.0, 0.1), Vec3::new(-0.3, 0.1, -1.0), 0.2, 8)];
     let options = options(Integrator::Exponential, 1.0 / 240.0, 1.5);
-    let speeding = run(&field, &Scene { poses, ..vacuum(DOWN) }, strand(), &options).unwrap().motion;
+    let speeding = run(&field, &speeding_up(acceleration), strand(), &options).unwrap().motion;
     // The same strand at rest under true gravity, with the missing part as a force on every point.
     let instead = uniform(Quantity::ForcePerMass, 1.0, &[-acceleration]);
     let pushed = run(&instead, &vacuum(DOWN), strand(), &options).unwrap().motion;
-    let apart = (0..speeding.times_secs.len())
-        .map(|f| {
-            let [a, b] = [&speeding, &pushed].map(|m| Vec3::from(m.frame(f)[8].map(f64::from)));
-            (a - b).norm()
-        })
-        .fold(0.0, f64::max);
+    let apart = apart(&speeding, &pushed);
     assert!(common::farthest(&pushed) > 0.02);
     assert!(apart < 2e-4, "{apart}");
 }
@@ -134,14 +109,7 @@ fn a_heads_acceleration_is_gravity_tilted() {
 /// As the head sees it, Euler's, Coriolis' and the centrifugal force swing it round.
 #[test]
 fn a_turning_head_leaves_a_limp_strand_behind() {
-    let rate_hz = 240.0;
-    let angle = |t: f64| 0.75 * (1.0 - libm::cos(core::f64::consts::PI * t.clamp(0.0, 1.0)));
-    let pose = |k: i32| {
-        let turn = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::z() * angle(f64::from(k) / rate_hz));
-        Pose::from_parts(Vec3::zeros().into(), turn)
-    };
-    let poses = PoseTrack { start_secs: -0.5, rate_hz, poses: (-120..=360).map(pose).collect() };
-    let scene = Scene { poses, ..vacuum(Vec3::zeros()) };
+    let (scene, angle) = turning();
     let field = uniform(Quantity::ForcePerMass, 1.0, &[Vec3::zeros()]);
     for n_sticks in [1, 6] {
         let mut limp = straight(Vec3::zeros(), Vec3::new(1.0, 0.0, 0.4), 0.2, n_sticks);
@@ -149,7 +117,7 @@ fn a_turning_head_leaves_a_limp_strand_behind() {
         let options = options(Integrator::Exponential, 1.0 / 960.0, 1.0);
         let motion = run(&field, &scene, vec![limp], &options).unwrap().motion;
         let tip = track(&motion, n_sticks);
-        let turned = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::z() * -angle(1.0)) * tip[0];
+        let turned = turned_about_z(-angle).rotation * tip[0];
         assert!((tip[60] - turned).norm() < 2e-3, "{n_sticks}: {} against {turned}", tip[60]);
     }
 }

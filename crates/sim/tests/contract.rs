@@ -8,6 +8,7 @@ use common::{
 };
 use std::sync::Mutex;
 use tousle_core::{NoProgress, Pose, PoseTrack, Progress, Quantity, Strand, Vec3};
+use tousle_field::{FieldLayer, FieldSequence, Reshape};
 use tousle_sim::{Integrator, Method, SimError, SimOptions, Simulator, TimeMode, simulate};
 
 #[test]
@@ -126,6 +127,29 @@ fn the_plan_says_what_runs_and_why_not() {
     assert_eq!(active("collision"), Some(true));
     assert_eq!(active("edits"), Some(false));
     assert!(report.plan.iter().all(|entry| !entry.why.is_empty()));
+}
+
+/// A layer that only reshapes the wind acts; one that is muted, or has nothing to add, does not.
+#[test]
+fn the_plan_counts_the_layers_that_change_anything() {
+    let calm = Some(Reshape { turn: Vec3::zeros(), scale: 0.0 });
+    let reshapes = FieldLayer { reshape: calm, ..lift(Vec3::zeros()) };
+    let muted = FieldLayer { muted: true, ..lift(Vec3::x()) };
+    for (layers, active, why) in [
+        (
+            vec![reshapes, muted.clone(), lift(Vec3::zeros())],
+            true,
+            "1 layers, 1 muted, 1 that change nothing",
+        ),
+        (vec![muted, lift(Vec3::zeros())], false, "(1 muted, 1 that change nothing)"),
+        (vec![lift(Vec3::x())], true, "1 layers, 0 muted"),
+    ] {
+        let field = FieldSequence { layers, ..gusts() };
+        let options = SimOptions { duration_secs: Some(0.1), ..SimOptions::of(Method::Paper) };
+        let report = run(&field, &mannequin(), vec![over_the_head()], &options).unwrap().report;
+        let edits = report.plan.iter().find(|entry| entry.term == "edits").unwrap();
+        assert!(edits.active == active && edits.why.ends_with(why), "{edits:?}");
+    }
 }
 
 /// An edit moves the hair during its span and leaves it alone, to the bit, before.

@@ -2,29 +2,16 @@
 
 mod common;
 
+use common::head::{apart, head, rises, speeding_up, tilted, turned_about_z, turning};
 use common::{
     DOWN, farthest, mannequin, over_the_head, physical, run, still_air, straight, track, uniform, vacuum,
 };
-use tousle_core::{Pose, PoseTrack, Quantity, Strand, StrandMotion, Vec3};
+use tousle_core::{Pose, Quantity, Strand, Vec3};
 use tousle_field::Scene;
 use tousle_sim::{Integrator, Method, Precision, SimError, SimOptions, TimeMode};
 
-/// A still head, tilted by an angle about y since the strands were at rest: they are released from there.
-fn tilted(angle: f64) -> Scene {
-    let turn = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::y() * angle);
-    Scene { poses: PoseTrack::still(Pose::from_parts(Vec3::zeros().into(), turn)), ..vacuum(DOWN) }
-}
-
 fn no_wind() -> tousle_field::FieldSequence {
     uniform(Quantity::AirVelocity, 30.0, &[Vec3::zeros()])
-}
-
-/// Times at which a signal passes its level upwards, linear between frames.
-fn rises(signal: &[f64], level: f64, rate_hz: f64) -> Vec<f64> {
-    (0..signal.len() - 1)
-        .filter(|&k| signal[k] <= level && signal[k + 1] > level)
-        .map(|k| (k as f64 + (level - signal[k]) / (signal[k + 1] - signal[k])) / rate_hz)
-        .collect()
 }
 
 /// One limp stick with its mass at the tip is a pendulum: 2π √(l/g), but for a bundle's own rotary inertia, 1e-4 of it.
@@ -279,23 +266,6 @@ fn a_strand_does_not_know_its_neighbors() {
     assert_eq!(threaded.positions_m, all.positions_m);
 }
 
-/// A head's poses from a second before the start on.
-fn head(rate_hz: f64, pose: impl Fn(f64) -> Pose) -> PoseTrack {
-    let poses = (0..=(3.5 * rate_hz) as usize).map(|k| pose(k as f64 / rate_hz - 1.0)).collect();
-    PoseTrack { start_secs: -1.0, rate_hz, poses }
-}
-
-fn turned_about_z(angle: f64) -> Pose {
-    let turn = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::z() * angle);
-    Pose::from_parts(Vec3::zeros().into(), turn)
-}
-
-/// How far apart the points of two motions are at most, m.
-fn apart(one: &StrandMotion, other: &StrandMotion) -> f64 {
-    let [a, b] = [one, other].map(|motion| motion.positions_m.iter().map(|p| Vec3::from(p.map(f64::from))));
-    a.zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
-}
-
 /// Both ways to take steps, of one length and of lengths of their own.
 const STEPS: [(Integrator, f64); 2] =
     [(Integrator::Implicit, 1.0 / 480.0), (Integrator::Adaptive, 1.0 / 60.0)];
@@ -303,8 +273,7 @@ const STEPS: [(Integrator, f64); 2] =
 /// A limp strand whose root is the pivot does not know that the head turns: it stays where it is in the world.
 #[test]
 fn a_turning_head_leaves_a_limp_strand_behind() {
-    let angle = |t: f64| 0.75 * (1.0 - libm::cos(core::f64::consts::PI * t.clamp(0.0, 1.0)));
-    let scene = Scene { poses: head(240.0, |t| turned_about_z(angle(t))), ..vacuum(Vec3::zeros()) };
+    let (scene, angle) = turning();
     for (integrator, dt_secs) in STEPS {
         let limp = Strand {
             bending_stiffness_n_m2: 0.0,
@@ -312,7 +281,7 @@ fn a_turning_head_leaves_a_limp_strand_behind() {
         };
         let motion = run(&no_wind(), &scene, vec![limp], &physical(integrator, dt_secs, 1.0)).unwrap().motion;
         let tip = track(&motion, 6);
-        let stays = turned_about_z(-angle(1.0)).rotation * tip[0];
+        let stays = turned_about_z(-angle).rotation * tip[0];
         assert!((tip[60] - stays).norm() < 5e-4, "{integrator:?}: {} against {stays}", tip[60]);
     }
 }
@@ -321,14 +290,10 @@ fn a_turning_head_leaves_a_limp_strand_behind() {
 #[test]
 fn a_heads_acceleration_is_gravity_tilted() {
     let acceleration = Vec3::new(2.0, -1.0, 0.5);
-    let poses = head(240.0, |t| {
-        let way = acceleration * (0.5 * t.max(0.0) * t.max(0.0));
-        Pose::translation(way.x, way.y, way.z)
-    });
     let hanging = || vec![straight(Vec3::new(0.0, 0.0, 0.1), Vec3::new(-0.3, 0.1, -1.0), 0.2, 8)];
     for (integrator, dt_secs) in STEPS {
         let options = physical(integrator, dt_secs, 1.5);
-        let speeding = run(&no_wind(), &Scene { poses: poses.clone(), ..vacuum(DOWN) }, hanging(), &options);
+        let speeding = run(&no_wind(), &speeding_up(acceleration), hanging(), &options);
         // The same strand under true gravity, with the missing part as a force on every point.
         let instead = uniform(Quantity::ForcePerMass, 1.0, &[-acceleration]);
         let pushed = run(&instead, &vacuum(DOWN), hanging(), &options).unwrap().motion;

@@ -1,6 +1,6 @@
 use crate::line::{Line, Lines, Separator, filled_len};
 use crate::{Header, TrcError, header};
-use tousle_cells::{Decimals, Numbers, plain, text, whole};
+use tousle_cells::{Decimals, Numbers, half_positions, lost_digits, plain, text, whole};
 
 /// A TRC file.
 #[derive(Clone, Debug, PartialEq)]
@@ -250,17 +250,8 @@ impl Body {
                 "{n} lines, the first of them line {first_line}, hold coordinates without a label; they are left out"
             ));
         }
-        if let Some((line, _)) = self.open_at.filter(|_| self.lost_digits) {
-            warnings.push(format!(
-                "line {line} has no end, and its last number fewer decimals than all above it: it counts as missing"
-            ));
-        }
-        if self.half_positions > 0 {
-            warnings.push(format!(
-                "{} positions have one or two of their three coordinates; they count as missing",
-                self.half_positions
-            ));
-        }
+        warnings.extend(self.open_at.filter(|_| self.lost_digits).map(|(line, _)| lost_digits(line)));
+        warnings.extend(half_positions(self.half_positions));
         warnings
     }
 }

@@ -91,8 +91,8 @@ impl Setting {
     pub fn method(&self) -> &'static str {
         match (&self.fit, &self.refine) {
             (FitMethod::Paper(_), _) => "paper",
-            (_, Some(RefineOptions { held_out: Some(_), .. })) => "physical --refine",
-            _ => "physical",
+            (FitMethod::Physical(_), Some(RefineOptions { held_out: Some(_), .. })) => "physical --refine",
+            (FitMethod::Physical(_), _) => "physical",
         }
     }
 

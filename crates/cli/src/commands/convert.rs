@@ -1,11 +1,12 @@
+mod summary;
+
+use self::summary::summary;
 use super::{add_eff, check_output, name, only_with, print_json, quality, read_options, write_options};
 use crate::args::{ConvertArgs, MethodArg, ReadingArg};
 use crate::ui::Outcome;
-use std::fmt::Write;
 use tousle_clean::CleanOptions;
 use tousle_fit::{FitMethod, FitOptions, PaperOptions, PaperReading, PaperSpan, PhysicalOptions};
-use tousle_page::decimals;
-use tousle_pipeline::{ConversionReport, ConvertOptions, Input, Outputs, PrepareOptions, Watch, read_file};
+use tousle_pipeline::{ConvertOptions, Input, Outputs, PrepareOptions, Watch, read_file};
 use tousle_refine::RefineOptions;
 
 /// `tousle convert`
@@ -85,101 +86,4 @@ fn options(args: &ConvertArgs) -> ConvertOptions {
         extent_m: args.extent_mm * 1e-3,
         edge_m: args.voxel_mm * 1e-3,
     }
-}
-
-/// What happened, in a few lines.
-pub fn summary(report: &ConversionReport) -> String {
-    let mut text = quality::summary(&report.quality);
-    let mut line = |label: &str, words: String| {
-        let _ = writeln!(text, "{label:>10}  {words}");
-    };
-    let fit = &report.fit;
-    let filled = match fit.n_filled {
-        0 => String::new(),
-        n if fit.physical.is_some() => {
-            format!(" ({n} of them filled, which shape the lock but are no samples)")
-        }
-        n => format!(" ({n} of them filled, which this method does not use)"),
-    };
-    line(
-        "wind",
-        format!(
-            "{}: {} samples in {} steps, {} missing{filled}",
-            fit.method, fit.n_samples, fit.n_steps, fit.n_missing
-        ),
-    );
-    if let Some(found) = &fit.physical {
-        let range = |values: Vec<f64>| {
-            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-            (low, values.iter().copied().fold(low, f64::max))
-        };
-        let stiffness = range(found.locks.iter().map(|lock| lock.stiffness_n_m2 * 1e6).collect());
-        let learnt = report.refine.as_ref().is_some_and(|refined| refined.kept > 0);
-        let drag = range(found.locks.iter().map(|lock| lock.drag_scale).collect());
-        // What rounds to nothing is 0, not -0.
-        line(
-            "air",
-            format!(
-                "{} m/s far away on average, {} % less in the wake, {} mm of slow air at the scalp",
-                decimals(found.outside_mps, 1),
-                decimals(found.wake * 100.0, 0),
-                decimals(found.layer_m * 1e3, 0)
-            ),
-        );
-        line(
-            "locks",
-            format!(
-                "{} explained; stiffness {:.1} to {:.1} 10⁻⁶ N·m², drag {:.2} to {:.2} of that by width ({})",
-                found.locks.len(),
-                stiffness.0,
-                stiffness.1,
-                drag.0,
-                drag.1,
-                if learnt { "learnt from the simulated wig" } else { "what is likely" },
-            ),
-        );
-        for warning in &found.warnings {
-            line("warning", warning.clone());
-        }
-    }
-    if let Some(refined) = &report.refine {
-        let off = |k: usize| {
-            let round = &refined.rounds[k];
-            match round.held_out_m {
-                Some(held_out_m) => {
-                    format!("{:.1} mm, held-out locks by {:.1} mm", round.seen_m * 1e3, held_out_m * 1e3)
-                }
-                None => format!("{:.1} mm", round.seen_m * 1e3),
-            }
-        };
-        let outcome = match refined.kept {
-            0 => "nothing made those better: the wind is as it was measured".to_owned(),
-            1 => format!("after a round by {}", off(1)),
-            kept => format!("after {kept} rounds by {}", off(kept)),
-        };
-        let words = "times as stiff as so many fine hairs: thus it moves in its wind as it was seen to";
-        if let Some(stiffness) = refined.stiffness {
-            let percent = stiffness.spread * 100.0;
-            line("the wig", format!("is {:.2} (standard deviation {percent:.0} %) {words}", stiffness.times));
-        }
-        if refined.rounds[0].seen_m.is_finite() {
-            line("refined", format!("the simulated wig was off by {}; {outcome}", off(0)));
-        }
-    }
-    let raster = &report.raster;
-    let all = (raster.n_measured + raster.n_interpolated + raster.n_outside).max(1) as f64;
-    let percent = |n: u64| 100.0 * n as f64 / all;
-    line(
-        "field",
-        format!(
-            "{:.1} % of voxels measured, {:.1} % interpolated, {:.1} % outside",
-            percent(raster.n_measured),
-            percent(raster.n_interpolated),
-            percent(raster.n_outside)
-        ),
-    );
-    for warning in &report.quality.ingest.warnings {
-        line("warning", warning.clone());
-    }
-    text
 }

@@ -299,7 +299,7 @@ fn figures(converted: &Converted, simulated: &Simulation, effects: &EditEffects)
             "strands blown",
             simulated.motion.counts.len().to_string(),
             "",
-            format!("{} steps of {:.2} ms", simulated.report.n_steps, simulated.report.dt_secs * 1e3),
+            format!("{} strand steps of {:.2} ms", simulated.report.n_steps, simulated.report.dt_secs * 1e3),
         ),
     ];
     if let Some(residual) = key_residual_mm(effects) {

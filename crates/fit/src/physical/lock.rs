@@ -4,9 +4,8 @@ use super::moments;
 use super::smooth::Motion;
 use super::spline::spline_weights;
 use super::tracks::{Clock, MarkerMotion, fixed_motion, marker_motion};
-use crate::median::median;
 use nalgebra::{DMatrix, UnitQuaternion};
-use tousle_core::{Along, HeadCapture, Pose, Sample, Session, Strand, StrandSpec, Vec3};
+use tousle_core::{Along, HeadCapture, Pose, Sample, Session, Strand, StrandSpec, Vec3, median_high};
 use tousle_rod::{Lock, shortest_rotation, shortest_turn};
 
 /// A lock seen over time.
@@ -77,7 +76,7 @@ pub(crate) struct Seeing<'a> {
 
 /// The median of positions, axis by axis: where hair hung, even if wind blew in some of the frames.
 fn middle(positions_m: &[Vec3]) -> Option<Vec3> {
-    let along = |axis: usize| median(positions_m.iter().map(|p| p[axis]).collect());
+    let along = |axis: usize| median_high(positions_m.iter().map(|p| p[axis]).collect());
     Some(Vec3::new(along(0)?, along(1)?, along(2)?))
 }
 
@@ -91,7 +90,7 @@ impl SeenLock {
         let mut rests: Vec<Vec3> = Vec::new();
         let mut used: Vec<usize> = Vec::new();
         for (marker_idx, track) in strand.markers.iter().enumerate() {
-            let place_m = marker_place_m(spec, marker_idx);
+            let place_m = spec.marker_distance_m(marker_idx);
             let samples = seeing.origins.map(|o| &o[strand_idx][marker_idx][..]);
             let is_apart = place_m > knots_m.last().copied().unwrap_or(0.0) + LEAST_STICK_M;
             let motion = marker_motion(track, samples, seeing.clock, seeing.cutoff_hz);
@@ -266,12 +265,6 @@ fn leaving_direction(root_m: Vec3, knots_m: &[f64], rests: &[Vec3]) -> Vec3 {
     (-at_zero / change).try_normalize(1e-9).unwrap_or_else(Vec3::z)
 }
 
-/// Where a marker sits along its lock, m from the root: as measured, or as if they were spread evenly.
-fn marker_place_m(spec: &StrandSpec, marker_idx: usize) -> f64 {
-    let evenly = (marker_idx + 1) as f64 / spec.markers.len() as f64 * spec.length_m;
-    spec.markers[marker_idx].distance_from_root_m.unwrap_or(evenly)
-}
-
 /// Distances of a lock's control points but the root from the root, m: some [`STICK_M`] apart, one at every knot; and which
 /// of all control points, the root included, the knots are.
 fn control_points(knots_m: &[f64], length_m: f64) -> (Vec<f64>, Vec<usize>) {
@@ -297,7 +290,7 @@ fn likely_strand(spec: &StrandSpec, rest_curve_m: Vec<Vec3>, length_m: f64, plac
     let place = |point: usize| if point == 0 { 0.0 } else { places_m[point - 1] };
     let mut linear_density = vec![1.0; n + 1];
     for (marker_idx, marker) in spec.markers.iter().enumerate() {
-        let place_m = marker_place_m(spec, marker_idx);
+        let place_m = spec.marker_distance_m(marker_idx);
         let nearest =
             (1..=n).min_by(|a, b| f64::total_cmp(&(place(*a) - place_m).abs(), &(place(*b) - place_m).abs()));
         let Some(point) = nearest else { continue };

@@ -1,9 +1,8 @@
 use super::lock::SeenLock;
 use super::prior::is_still;
 use super::solve::{Problem, Solved};
-use crate::median::median;
 use serde::Serialize;
-use tousle_core::{FrameSpan, Track, Vec3};
+use tousle_core::{FrameSpan, Track, Vec3, median_high};
 use tousle_flow::AirState;
 
 /// What the method `physical` found out on the way and what it took for granted.
@@ -75,7 +74,7 @@ fn moves_at_rest(problem: &Problem<'_>) -> Option<String> {
         (!seen.is_empty()).then(|| (squares / seen.len() as f64).sqrt())
     };
     let tracks = problem.head.strands.iter().flat_map(|strand| &strand.markers);
-    let moves_m = median(tracks.filter_map(moves_m).collect())?;
+    let moves_m = median_high(tracks.filter_map(moves_m).collect())?;
     let span = FrameSpan::of(problem.head.first_frame, &(first..last + 1));
     (moves_m > STILL_M).then(|| {
         format!(

@@ -3,7 +3,7 @@
 //! None of these comes from a capture: they are what hair, heads and rooms are like. Each value that is used is
 //! listed in [`tousle_core::Session::assumed`].
 
-use tousle_core::{Assumption, Attachment, Collider, Fan, Shape, StrandSpec, Vec3};
+use tousle_core::{Assumption, Attachment, Collider, Fan, Shape, StrandSpec, Vec3, median_high};
 
 /// A marker's mass, mg: a retro-reflective half sphere of 3 to 4 mm with its tape.
 pub(super) const MARKER_MASS_MG: f64 = 20.0;
@@ -104,10 +104,9 @@ pub(super) fn colliders(strands: &[StrandSpec]) -> (Vec<Collider>, Assumption) {
 
 /// How much larger a head is than the mean one: its roots lie on the scalp.
 fn scale_to_roots(strands: &[StrandSpec], half_axes: Vec3) -> f64 {
-    let mut scales: Vec<f64> = strands.iter().map(|s| s.root_m.component_div(&half_axes).norm()).collect();
-    scales.sort_by(f64::total_cmp);
+    let scales = strands.iter().map(|s| s.root_m.component_div(&half_axes).norm()).collect();
     // Heads of adults vary by a tenth; roots that say otherwise are not where hair grows.
-    scales.get(scales.len() / 2).map_or(1.0, |scale| scale.clamp(0.8, 1.25))
+    median_high(scales).map_or(1.0, |scale| scale.clamp(0.8, 1.25))
 }
 
 /// The point about which the head turns: between the first two vertebrae, where it turns and nods most.

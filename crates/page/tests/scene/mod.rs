@@ -136,11 +136,7 @@ fn session(n_locks: usize) -> Session {
     let head_marker =
         |label: &str, at: [f64; 3]| HeadMarker { label: label.into(), position_m: Vec3::from(at) };
     Session {
-        name: NASTY.to_owned(),
-        subject: None,
         rate_hz: Some(120.0),
-        unit: None,
-        up_axis: None,
         still_frames: Some((1, 120)),
         wind_start_frame: Some(121),
         head_markers: vec![
@@ -150,9 +146,9 @@ fn session(n_locks: usize) -> Session {
         ],
         body: body(),
         fans: vec![fan(53.0, None, "gusting <about> 0.7 Hz"), fan(-20.0, Some(80.0), "weak, carried round")],
-        air_density: 1.2,
         assumed: assumed(),
         strands: strands.collect(),
+        ..Session::unknown(NASTY)
     }
 }
 
@@ -223,11 +219,8 @@ fn capture(session: &Session) -> HeadCapture {
         StrandTracks { strand_idx: k, markers: (1..=5).map(marker).collect() }
     });
     let pose_at = |f: usize| HeadPose {
-        world_from_head: pose(f as f64 / 120.0),
-        expected_error_m: 0.0,
         fit_residual_m: 2e-4 + 1e-4 * libm::sin(f as f64 * 0.3).abs(),
-        n_used: 3,
-        n_visible: 3,
+        ..HeadPose::exact(pose(f as f64 / 120.0), 3)
     };
     HeadCapture {
         rate_hz: 120.0,

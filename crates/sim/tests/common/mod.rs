@@ -1,6 +1,8 @@
 //! Small worlds with known answers.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+pub mod head;
+
 #[allow(unused_imports, reason = "each test file uses its own part")]
 pub use tousle_bench::worlds::{
     DOWN, groom, mannequin, nearest_m, over_the_head, push, still_air, straight, strand, uniform, vacuum,
