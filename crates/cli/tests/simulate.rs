@@ -180,10 +180,25 @@ fn a_shots_body_comes_as_a_mesh() {
         ("--head-mesh none.obj --mesh-unit mm --mesh-up Z", 1, "cannot read none.obj"),
         ("--torso-mesh bob.json --mesh-unit mm --mesh-up Z", 1, ".obj"),
         ("--head-mesh head.obj --mesh-unit mm --mesh-up Z --mesh-forward Z", 1, "two different ones"),
+        ("--head-mesh head.obj --mesh-unit m --mesh-up Z", 1, "200.000 m across"),
+        ("--head-mesh head.obj --mesh-unit m --mesh-up Z", 1, "positions were read with --mesh-unit m"),
     ] {
         let run = room.run(&format!("{simulate} -o x.npz {arguments}")).ended(code);
         run.says(&[says]);
         assert!(!room.path("x.npz").exists(), "{arguments}");
+    }
+    // Too small, and out of reach: both may be meant, so both run.
+    room.write("far.obj", "v 0 0 -5\nv 1 0 -5\nv 0 1 -5\nv 0 0 -4\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+    room.write("tiny.obj", ellipsoid_obj([0.095, 0.075, 0.1]));
+    for (arguments, says) in [
+        ("--head-mesh tiny.obj --mesh-unit mm --mesh-up Z", "0.0002 m across and the nearest root"),
+        ("--torso-mesh far.obj --mesh-unit m --mesh-up Z", "1.0000 m across and none of its surface"),
+    ] {
+        room.run(&format!("{simulate} -o x.npz {arguments}")).ended(0).says(&[
+            "warning: ",
+            says,
+            "--mesh-unit",
+        ]);
     }
 }
 
