@@ -202,6 +202,38 @@ fn a_shots_body_comes_as_a_mesh() {
     }
 }
 
+/// Rates that are no whole numbers reach USD to the bit, also with a single frame.
+#[test]
+fn time_codes_are_as_many_as_were_asked_for() {
+    let room = Room::with_field();
+    for secs in [1.5, 0.0] {
+        for rate in [24000.0 / 1001.0, 30000.0 / 1001.0, 60.0] {
+            let simulate = "simulate f.eff.mcap --groom bob.json -o m.usda";
+            room.run(&format!("{simulate} --duration-secs {secs} --rate-hz {rate}")).ended(0);
+            let text = String::from_utf8(room.read("m.usda")).unwrap();
+            assert!(text.contains(&format!("timeCodesPerSecond = {rate}\n")), "{secs} s: {}", &text[..400]);
+        }
+    }
+}
+
+/// A strand of one point is left out, and what is written says which strands are left.
+#[test]
+fn strands_that_are_left_out_are_named_and_the_others_keep_their_numbers() {
+    let room = Room::with_field();
+    let mut groom: serde_json::Value = serde_json::from_slice(&room.read("bob.json")).unwrap();
+    groom["strands"][2]["rest_curve_m"].as_array_mut().unwrap().truncate(1);
+    groom["strands"].as_array_mut().unwrap().truncate(5);
+    room.write("short.json", groom.to_string());
+    let simulate = "simulate f.eff.mcap --duration-secs 0.1";
+    room.run(&format!("{simulate} --groom short.json -o short.npz"))
+        .ended(0)
+        .says(&["1 of 5 strands", "left out: 3 (those after it come 1 earlier"]);
+    let numbers = |file: &str| tousle_export::read_numbers_npz(&room.read(file), "strand", &[0]).unwrap();
+    assert_eq!(numbers("short.npz"), [0.0, 1.0, 3.0, 4.0]);
+    room.run(&format!("{simulate} --groom bob.json -o all.npz")).ended(0);
+    assert_eq!(numbers("all.npz"), (0..60).map(f64::from).collect::<Vec<_>>());
+}
+
 /// Whoever picks an integrator that does not stand long steps learns what that costs before the run.
 #[test]
 fn a_run_of_very_many_steps_is_warned_of() {
