@@ -155,7 +155,7 @@ mod tests {
             assert!(!names().contains(&".a.txt.Abc123.partial".to_owned()), "{:?}", names());
             // Another writer meanwhile.
             write_whole(&path, |out| out.write_all(b"other"))?;
-            out.write_all(b"new").map_err(|error| Box::<dyn std::error::Error + Send + Sync>::from(error))
+            out.write_all(b"new").map_err(Box::<dyn std::error::Error + Send + Sync>::from)
         })
         .unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
