@@ -69,7 +69,7 @@ pub enum Command {
     Import(ImportArgs),
     /// Put several captures of one wig together into one richer field.
     Merge(MergeArgs),
-    /// Save every whole step of a field file that was cut or damaged.
+    /// Save the whole steps of a field file that was cut or damaged; what follows inserted or deleted bytes is lost.
     Recover(RecoverArgs),
     /// Write a field file of any version again in the newest one; nothing is lost.
     Migrate(MigrateArgs),

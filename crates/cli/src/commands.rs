@@ -24,7 +24,7 @@ use std::path::Path;
 use tousle_core::Groom;
 use tousle_eff::{Eff, EffError, Encoding, ReadOptions, WriteOptions, WriteReport};
 use tousle_field::{GridSpec, Scene};
-use tousle_groom::{GroomOptions, GroomReadError, HeadShape, Placement};
+use tousle_groom::{GroomOptions, GroomReadError, HeadShape, Placement, ReadGroom};
 use tousle_ingest::IngestOptions;
 use tousle_pipeline::{Outputs, Watch, read_file};
 
@@ -61,6 +61,16 @@ fn unusable(error: EffError, path: &Path) -> anyhow::Error {
 
 /// Reads a groom; what it leaves out or changes is said on stderr.
 fn read_groom(path: &Path, args: &GroomArgs, scene: &Scene, grid: &GridSpec) -> anyhow::Result<Groom> {
+    Ok(read_groom_and_numbers(path, args, scene, grid)?.groom)
+}
+
+/// The same with the numbers that its strands have in the file.
+fn read_groom_and_numbers(
+    path: &Path,
+    args: &GroomArgs,
+    scene: &Scene,
+    grid: &GridSpec,
+) -> anyhow::Result<ReadGroom> {
     let mut options = GroomOptions::default();
     options.unit = args.groom_unit;
     options.up_axis = args.groom_up;
@@ -91,7 +101,7 @@ fn read_groom(path: &Path, args: &GroomArgs, scene: &Scene, grid: &GridSpec) -> 
             path.display()
         );
     }
-    Ok(read.groom)
+    Ok(read)
 }
 
 /// The options with which a groom that could not be used perhaps can.

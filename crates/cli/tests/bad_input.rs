@@ -198,6 +198,58 @@ fn a_full_disk_is_told_of_in_two_lines() {
     assert_eq!(room.files(), before);
 }
 
+/// A sequence of files appears together: of one that fails midway nothing is there, and what was there before is.
+#[test]
+fn a_sequence_that_fails_leaves_nothing() {
+    let room = Room::with_field();
+    room.write("f.0002.vdb", "old");
+    // A folder with something in it cannot give its name away.
+    std::fs::create_dir_all(room.path("f.0050.vdb/full")).unwrap();
+    let before = room.files();
+    let run = room.run("export f.eff.mcap -o f.vdb").ended(1);
+    run.says(&["cannot write f.0050.vdb (nothing was written)"]);
+    assert_eq!(room.files(), before);
+    assert_eq!(room.read("f.0002.vdb"), b"old");
+}
+
+/// One file by two spellings is one file.
+#[test]
+fn an_output_that_is_named_twice_is_refused() {
+    let room = Room::with_field();
+    let before = room.files();
+    let folder = room.path(".").canonicalize().unwrap();
+    for other in ["o.npz".to_owned(), "./o.npz".to_owned(), format!("{}/o.npz", folder.display())] {
+        let run = room.run(&format!("simulate f.eff.mcap --groom bob.json -o o.npz -o {other}")).ended(2);
+        run.says(&[&format!("output {other}: found it twice")]);
+    }
+    assert_eq!(room.files(), before);
+}
+
+/// Edits that change nothing are warned of: nobody writes them for that.
+#[test]
+fn edits_that_change_nothing_say_so() {
+    let room = Room::with_field();
+    let edit = "edit f.eff.mcap --groom bob.json --edits e.toml -o g.eff.mcap";
+    room.write("e.toml", "# to do\n");
+    room.run(edit)
+        .ended(0)
+        .says(&["warning: e.toml: found no edits, expected [[edit]], [[wind]] or [[change]]"]);
+    let wind = |first: f64, last: f64| {
+        let wind = format!("[[wind]]\nname = \"door\"\nfirst_secs = {first}\nlast_secs = {last}\n");
+        room.write("e.toml", format!("{wind}center_m = [0.1, 0, 0]\nreach_m = 0.2\nkind = \"calm\"\n"));
+        room.run(edit).ended(0)
+    };
+    for (first, last) in [(60.0, 61.0), (-2.0, -1.0)] {
+        let found =
+            format!("found {first:.3} to {last:.3} s, expected some of the field's time, 0.000 to 3.967 s");
+        wind(first, last).says(&["warning: e.toml: layer \"door\"", &found]);
+    }
+    let run = wind(1.0, 2.0);
+    assert!(run.err.is_empty(), "{}", run.err);
+    room.write("e.toml", "[[change]]\nkind = \"mute\"\nedit = \"lift\"\n");
+    room.run(edit).ended(1).says(&["found no layer `lift`", "the field, which has no layers"]);
+}
+
 #[test]
 fn a_full_disk_leaves_the_old_file() {
     let room = Room::new();
@@ -295,6 +347,27 @@ fn a_folder_that_is_not_there_is_told_of_before_any_work() {
         room.run(words).ended(1).says(&["cannot make the folder file/d"]);
     }
     room.remove("file");
+    assert_eq!(room.files(), before);
+}
+
+/// What cannot be is named as it was given: by the option, in its unit.
+#[test]
+fn options_that_cannot_be_are_named_by_their_flags() {
+    let room = Room::with_field();
+    let before = room.files();
+    let simulate = "simulate f.eff.mcap --groom bob.json --method physical -o m.npz";
+    for (options, says) in [
+        ("--rate-hz 1e9", "--rate-hz: found 1000000000, expected at most 1e7 frames"),
+        ("--rate-hz 0", "--rate-hz: found 0, expected a number above 0"),
+        ("--duration-secs 1e9", "--duration-secs: found 1000000000, expected at most 1e7 frames"),
+        ("--dt-secs 1e-30", "--dt-secs: found 1e-30, expected at most 1e6 steps a frame"),
+        (
+            "--integrator adaptive --tolerance-mm 1e-5",
+            "--tolerance-mm: found 1e-5, expected 1e-7 m (1e-4 mm) or more",
+        ),
+    ] {
+        room.run(&format!("{simulate} {options}")).ended(2).says(&[says]);
+    }
     assert_eq!(room.files(), before);
 }
 

@@ -5,6 +5,7 @@
 mod common;
 
 use common::Room;
+use std::process::Command;
 
 /// Convert, validate, inspect, simulate, edit, export, import: each on what the one before wrote.
 #[test]
@@ -127,6 +128,22 @@ fn a_cut_field_gives_back_its_whole_steps() {
     assert!(run.out.contains("of 120 steps"), "{}", run.out);
     room.run("validate saved.eff.mcap").ended(0);
     room.run("recover f.eff.mcap -o whole.eff.mcap").ended(0);
+    // Bytes that came in between cost all behind them, as the README says; bytes that changed cost the step they are in.
+    let half = bytes.len() / 2;
+    let n_whole = |name: &str, bytes: &[u8]| {
+        room.write(name, bytes);
+        let run = room.run(&format!("recover {name} -o saved.eff.mcap --json")).ended(3);
+        let told: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+        let n_bridged = told["bridged"].as_array().unwrap().len() as u64;
+        told["n_steps"].as_u64().unwrap() - n_bridged
+    };
+    let n_cut = n_whole("cut.eff.mcap", &bytes[..half]);
+    assert_eq!(n_whole("more.eff.mcap", &[&bytes[..half], b"x", &bytes[half..]].concat()), n_cut);
+    assert_eq!(n_whole("less.eff.mcap", &[&bytes[..half], &bytes[half + 1..]].concat()), n_cut);
+    assert_eq!(
+        n_whole("other.eff.mcap", &[&bytes[..half], &[!bytes[half]], &bytes[half + 1..]].concat()),
+        119
+    );
 }
 
 #[test]
@@ -284,10 +301,18 @@ fn a_studio_that_is_not_there_is_told_how_to_get() {
     let room = Room::new();
     let alone = room.path("tousle");
     std::fs::copy(env!("CARGO_BIN_EXE_tousle"), &alone).unwrap();
-    let mut command = std::process::Command::new(alone);
+    let mut command = Command::new(&alone);
     command.args(["studio", "f.eff.mcap", "--groom", "bob.json"]).env("PATH", "");
     let output = command.output().unwrap();
     assert_eq!(output.status.code(), Some(1));
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("cargo build --release -p tousle-studio"), "{said}");
+    // Who asks what it is has no error to be told of.
+    for help in ["--help", "-h"] {
+        let output = Command::new(&alone).args(["studio", help]).env("PATH", "").output().unwrap();
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        assert!(said.contains("Usage: tousle studio FIELD --groom GROOM"), "{said}");
+        assert!(said.contains("cargo build --release -p tousle-studio"), "{said}");
+    }
 }

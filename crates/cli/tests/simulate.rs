@@ -180,11 +180,58 @@ fn a_shots_body_comes_as_a_mesh() {
         ("--head-mesh none.obj --mesh-unit mm --mesh-up Z", 1, "cannot read none.obj"),
         ("--torso-mesh bob.json --mesh-unit mm --mesh-up Z", 1, ".obj"),
         ("--head-mesh head.obj --mesh-unit mm --mesh-up Z --mesh-forward Z", 1, "two different ones"),
+        ("--head-mesh head.obj --mesh-unit m --mesh-up Z", 1, "200.000 m across"),
+        ("--head-mesh head.obj --mesh-unit m --mesh-up Z", 1, "positions were read with --mesh-unit m"),
     ] {
         let run = room.run(&format!("{simulate} -o x.npz {arguments}")).ended(code);
         run.says(&[says]);
         assert!(!room.path("x.npz").exists(), "{arguments}");
     }
+    // Too small, and out of reach: both may be meant, so both run.
+    room.write("far.obj", "v 0 0 -5\nv 1 0 -5\nv 0 1 -5\nv 0 0 -4\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+    room.write("tiny.obj", ellipsoid_obj([0.095, 0.075, 0.1]));
+    for (arguments, says) in [
+        ("--head-mesh tiny.obj --mesh-unit mm --mesh-up Z", "0.0002 m across and the nearest root"),
+        ("--torso-mesh far.obj --mesh-unit m --mesh-up Z", "1.0000 m across and none of its surface"),
+    ] {
+        room.run(&format!("{simulate} -o x.npz {arguments}")).ended(0).says(&[
+            "warning: ",
+            says,
+            "--mesh-unit",
+        ]);
+    }
+}
+
+/// Rates that are no whole numbers reach USD to the bit, also with a single frame.
+#[test]
+fn time_codes_are_as_many_as_were_asked_for() {
+    let room = Room::with_field();
+    for secs in [1.5, 0.0] {
+        for rate in [24000.0 / 1001.0, 30000.0 / 1001.0, 60.0] {
+            let simulate = "simulate f.eff.mcap --groom bob.json -o m.usda";
+            room.run(&format!("{simulate} --duration-secs {secs} --rate-hz {rate}")).ended(0);
+            let text = String::from_utf8(room.read("m.usda")).unwrap();
+            assert!(text.contains(&format!("timeCodesPerSecond = {rate}\n")), "{secs} s: {}", &text[..400]);
+        }
+    }
+}
+
+/// A strand of one point is left out, and what is written says which strands are left.
+#[test]
+fn strands_that_are_left_out_are_named_and_the_others_keep_their_numbers() {
+    let room = Room::with_field();
+    let mut groom: serde_json::Value = serde_json::from_slice(&room.read("bob.json")).unwrap();
+    groom["strands"][2]["rest_curve_m"].as_array_mut().unwrap().truncate(1);
+    groom["strands"].as_array_mut().unwrap().truncate(5);
+    room.write("short.json", groom.to_string());
+    let simulate = "simulate f.eff.mcap --duration-secs 0.1";
+    room.run(&format!("{simulate} --groom short.json -o short.npz"))
+        .ended(0)
+        .says(&["1 of 5 strands", "left out: 3 (those after it come 1 earlier"]);
+    let numbers = |file: &str| tousle_export::read_numbers_npz(&room.read(file), "strand", &[0]).unwrap();
+    assert_eq!(numbers("short.npz"), [0.0, 1.0, 3.0, 4.0]);
+    room.run(&format!("{simulate} --groom bob.json -o all.npz")).ended(0);
+    assert_eq!(numbers("all.npz"), (0..60).map(f64::from).collect::<Vec<_>>());
 }
 
 /// Whoever picks an integrator that does not stand long steps learns what that costs before the run.

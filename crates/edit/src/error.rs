@@ -55,11 +55,14 @@ pub enum EditError {
         secs: f64,
     },
     /// No layer has this id.
-    #[error("found no layer `{id}`, expected one of: {known}")]
+    #[error(
+        "found no layer `{id}`, expected {}",
+        if known.is_empty() { "one that is on the field, which has no layers".to_owned() } else { format!("one of: {known}") }
+    )]
     NoLayer {
         /// The id.
         id: String,
-        /// The ids that are there.
+        /// The ids that are there; empty where the field has no layers.
         known: String,
     },
     /// An edit of the stack cannot be changed so.

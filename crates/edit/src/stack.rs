@@ -205,6 +205,8 @@ mod tests {
     fn a_layer_that_is_not_there_is_named_with_those_that_are() {
         let error = remove(&stack(), "c").unwrap_err().to_string();
         assert_eq!(error, "found no layer `c`, expected one of: a, b");
+        let error = mute(&[], "c", true).unwrap_err().to_string();
+        assert_eq!(error, "found no layer `c`, expected one that is on the field, which has no layers");
     }
 
     /// Layers that were solved for together: 1 to 1.2 s and 1.1 to 1.3 s.

@@ -20,7 +20,8 @@ mod vdb;
 pub use error::ExportError;
 pub use npz::{
     FieldNpzOptions, NpzError, ReadField, read_field_npz, read_field_npz_with, read_motion_npz,
-    read_numbers_npz, read_poses_npz, write_field_npz, write_motion_npz, write_poses_npz,
+    read_numbers_npz, read_poses_npz, write_field_npz, write_motion_npz, write_numbered_motion_npz,
+    write_poses_npz,
 };
 pub use usd::{CurveType, HairGeometry, UsdOptions, write_motion_usda};
 pub use vdb::{VdbError, VdbOptions, VdbStep, join_steps_vdb, read_step_vdb, write_step_vdb};

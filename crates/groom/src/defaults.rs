@@ -65,7 +65,9 @@ pub(crate) fn with_defaults(placed: Placed, warnings: &mut Vec<String>) -> Groom
     let Placed { raw, mut assumed } = placed;
     let n_strands = raw.strands.len();
     let shared = (HAIRS_ON_A_HEAD / n_strands.max(1) as f64).clamp(1.0, MOST_HAIRS_A_STRAND);
-    let n_digits = n_strands.to_string().len();
+    // Nameless strands are called by their numbers in the file, whichever were left out.
+    let n_digits =
+        raw.strands.last().and_then(|last| last.number).map_or(n_strands, |k| k + 1).to_string().len();
     let mut notes = Notes::default();
     let strands = raw.strands.into_iter().enumerate();
     let strands = strands.map(|(k, strand)| complete(strand, k, n_digits, shared, &mut notes)).collect();
@@ -97,7 +99,7 @@ fn complete(raw: RawStrand, index: usize, n_digits: usize, shared_hairs: f64, no
         along,
         // Where nobody knows how stiff it is, its style is all that says so.
         holds_style: raw.bending_stiffness_n_m2.is_none(),
-        name: raw.name.unwrap_or_else(|| format!("{:0n_digits$}", index + 1)),
+        name: raw.name.unwrap_or_else(|| format!("{:0n_digits$}", raw.number.unwrap_or(index) + 1)),
         length_m,
         linear_density_kg_per_m: notes
             .density

@@ -18,6 +18,8 @@ pub(crate) struct RawGroom {
 /// A strand as the file has it.
 #[derive(Debug, Default)]
 pub(crate) struct RawStrand {
+    /// Its number in the file, from 0, once strands have been left out.
+    pub(crate) number: Option<usize>,
     /// `None` where the format names none.
     pub(crate) name: Option<String>,
     /// Control points, root first, file axes and unit.

@@ -16,12 +16,14 @@ pub struct ReadGroom {
     pub format: GroomFormat,
     /// What was left out, changed or overruled.
     pub warnings: Vec<String>,
+    /// The number of each strand in the file, from 0: ascending, with gaps where some were left out.
+    pub numbers: Vec<usize>,
 }
 
 /// Reads a groom in any known format, which is told from the bytes.
 ///
 /// Strands without a segment are left out and points that lie on the one before are dropped, with a warning for
-/// each kind; a groom that is nothing but such strands is an error.
+/// each kind; strands without a name are called by their number in the file all the same. A groom that is nothing but such strands is an error.
 ///
 /// # Errors
 /// [`GroomReadError`]: bytes that are no groom, a unit or up axis that neither file nor options state, numbers
@@ -43,10 +45,11 @@ pub(crate) fn finish(
     options: &GroomOptions,
 ) -> Result<ReadGroom, GroomReadError> {
     let mut warnings = std::mem::take(&mut raw.warnings);
+    let numbers = raw.strands.iter().enumerate().map(|(k, strand)| strand.number.unwrap_or(k)).collect();
     let placed = place(raw, format, options, &mut warnings)?;
     let groom = with_defaults(placed, &mut warnings);
     groom.check()?;
-    Ok(ReadGroom { groom, format, warnings })
+    Ok(ReadGroom { groom, format, warnings, numbers })
 }
 
 /// Points closer than this share of the groom's size count as one.
@@ -61,16 +64,41 @@ pub(crate) fn clean(raw: &mut RawGroom) {
     }
     let n_strands = raw.strands.len();
     let n_points: usize = raw.strands.iter().filter(|s| s.points.len() < 2).map(|s| s.points.len()).sum();
+    raw.strands.iter_mut().enumerate().for_each(|(k, strand)| strand.number = Some(k));
+    let short = raw.strands.iter().filter(|s| s.points.len() < 2).filter_map(|s| s.number);
+    let short: Vec<usize> = short.collect();
     raw.strands.retain(|s| s.points.len() >= 2);
-    let n_short = n_strands - raw.strands.len();
-    if n_short > 0 {
-        let note =
-            format!("{n_short} of {n_strands} strands have no segment ({n_points} points) and were left out");
-        raw.warnings.push(note);
+    if !short.is_empty() {
+        let n_short = short.len();
+        raw.warnings.push(format!(
+            "{n_short} of {n_strands} strands have no segment ({n_points} points) and were left out: {}",
+            left_out(&short)
+        ));
     }
     if n_dropped > 0 {
         raw.warnings.push(format!("{n_dropped} points lie on the one before and were left out"));
     }
+}
+
+/// The most runs of strands that are named.
+const MAX_RUNS: usize = 20;
+
+/// Which strands were left out, counted from 1 as in names, and how many places those after them come earlier for it.
+fn left_out(numbers: &[usize]) -> String {
+    let runs: Vec<&[usize]> = numbers.chunk_by(|a, b| a + 1 == *b).collect();
+    let mut n_before = 0;
+    let mut words: Vec<String> = Vec::new();
+    for run in runs.iter().take(MAX_RUNS) {
+        n_before += run.len();
+        let (first, last) = (run[0] + 1, run[run.len() - 1] + 1);
+        let which = if first == last { format!("{first}") } else { format!("{first} to {last}") };
+        let what = if words.is_empty() { "those after it come " } else { "" };
+        words.push(format!("{which} ({what}{n_before} earlier in what is written)"));
+    }
+    if runs.len() > MAX_RUNS {
+        words.push(format!("{} more ({} earlier after the last)", numbers.len() - n_before, numbers.len()));
+    }
+    words.join(", ")
 }
 
 #[cfg(test)]
@@ -90,9 +118,42 @@ mod tests {
         assert_eq!(
             raw.warnings,
             [
-                "3 of 4 strands have no segment (2 points) and were left out",
+                "3 of 4 strands have no segment (2 points) and were left out: 2 to 4 (those after it come 3 earlier in what is \
+                 written)",
                 "3 points lie on the one before and were left out"
             ]
+        );
+    }
+
+    #[test]
+    fn strands_keep_their_numbers_when_others_are_left_out() {
+        let (a, b) = (Vec3::zeros(), Vec3::new(0.0, 0.0, -10.0));
+        let mut curves = vec![vec![a, b]; 12];
+        for k in [1, 2, 6] {
+            curves[k] = vec![a];
+        }
+        let mut raw = RawGroom::of_curves(curves);
+        (raw.unit_m, raw.up_axis) = (Some(0.01), Some(tousle_core::UpAxis::Z));
+        clean(&mut raw);
+        assert!(
+            raw.warnings[0].ends_with(
+                "left out: 2 to 3 (those after it come 2 earlier in what is written), 7 (3 earlier in what is written)"
+            ),
+            "{:?}",
+            raw.warnings
+        );
+        let read = finish(raw, GroomFormat::Hair, &GroomOptions::default()).unwrap();
+        assert_eq!(read.numbers, [0, 3, 4, 5, 7, 8, 9, 10, 11]);
+        let names: Vec<&str> = read.groom.strands.iter().map(|s| s.name.as_str()).collect();
+        assert_eq!(names, ["01", "04", "05", "06", "08", "09", "10", "11", "12"]);
+    }
+
+    #[test]
+    fn of_many_strands_that_are_left_out_some_are_named() {
+        let words = left_out(&(0..50).map(|k| 2 * k).collect::<Vec<_>>());
+        assert!(
+            words.ends_with("39 (20 earlier in what is written), 30 more (50 earlier after the last)"),
+            "{words}"
         );
     }
 }

@@ -21,6 +21,15 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
+impl Mesh {
+    /// The longest side of the upright box around it, m.
+    pub fn across_m(&self) -> f64 {
+        let low = self.points_m.iter().fold(Vec3::repeat(f64::INFINITY), |low, p| low.inf(p));
+        let high = self.points_m.iter().fold(Vec3::repeat(f64::NEG_INFINITY), |high, p| high.sup(p));
+        (high - low).max()
+    }
+}
+
 /// Reads all the faces of an OBJ file as one mesh; faces of more than three corners are cut into triangles.
 ///
 /// # Errors

@@ -36,7 +36,8 @@ pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
 /// Writes a file so that it appears whole or not at all.
 ///
 /// `write` fills a temporary file in the same folder, which is brought to the disk and then takes the name in
-/// one step. If anything fails the temporary file is gone and what was there under the name stays.
+/// one step. If anything fails the temporary file is gone and what was there under the name stays. One that a killed
+/// program left is taken away by whoever writes a file of that name next.
 ///
 /// # Errors
 /// [`FileError::Write`] with the path and the cause, be it the disk's or `write`'s own.
@@ -62,9 +63,12 @@ where
     E: Into<Box<dyn std::error::Error + Send + Sync>>,
 {
     let name = path.file_name().ok_or("the path names no file")?.to_string_lossy();
+    let prefix = format!(".{name}.");
+    remove_abandoned(folder(path), &prefix);
     let temporary = tempfile::Builder::new()
-        .prefix(&format!(".{name}."))
-        .suffix(".partial")
+        .prefix(&prefix)
+        .rand_bytes(N_RANDOM)
+        .suffix(SUFFIX)
         .make_in(folder(path), open_like_any_other)?;
     let mut out = BufWriter::with_capacity(1 << 18, temporary.as_file());
     let value = write(&mut out).map_err(Into::into)?;
@@ -79,9 +83,36 @@ pub(crate) fn folder(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
 }
 
-/// Temporary files are private to their owner by default; ours becomes an ordinary file, so it is opened as one.
+/// Temporary files are private to their owner by default; ours becomes an ordinary file, so it is opened as one. The lock
+/// says that somebody writes it: the system takes it off a program that is killed.
 fn open_like_any_other(path: &Path) -> io::Result<File> {
-    File::options().read(true).write(true).create_new(true).open(path)
+    let file = File::options().read(true).write(true).create_new(true).open(path)?;
+    // Where a disk knows no locks nothing is taken for abandoned either.
+    if file.lock().is_ok() && !path.exists() {
+        // Taken away between its opening and its lock: another name is tried.
+        return Err(io::ErrorKind::AlreadyExists.into());
+    }
+    Ok(file)
+}
+
+/// Random letters of a temporary file's name, and its end.
+const N_RANDOM: usize = 6;
+const SUFFIX: &str = ".partial";
+
+/// Removes what killed programs left of a file: temporary files of its name that nobody writes. What cannot be looked at stays,
+/// as it is in nobody's way.
+fn remove_abandoned(folder: &Path, prefix: &str) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let random = name.to_str().and_then(|name| name.strip_prefix(prefix)?.strip_suffix(SUFFIX));
+        if random.is_some_and(|letters| {
+            letters.len() == N_RANDOM && letters.bytes().all(|b| b.is_ascii_alphanumeric())
+        }) && let Ok(file) = File::options().write(true).open(entry.path())
+            && file.try_lock().is_ok()
+        {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 #[cfg(test)]
@@ -102,5 +133,34 @@ mod tests {
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
         write_whole(&path, |out| out.write_all(b"new")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
+
+    #[test]
+    fn what_a_killed_writer_left_goes_and_what_is_written_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        let names = || {
+            let entries = fs::read_dir(folder.path()).unwrap();
+            let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+            names.sort();
+            names
+        };
+        // Others' files, and one that somebody is writing.
+        let others = [".a.txt.b.aaaaaa.partial", ".a.txt.notes.partial", ".b.txt.aaaaaa.partial"];
+        for name in others {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        fs::write(folder.path().join(".a.txt.Abc123.partial"), "half of the n").unwrap();
+        write_whole(&path, |out| {
+            assert!(!names().contains(&".a.txt.Abc123.partial".to_owned()), "{:?}", names());
+            // Another writer meanwhile.
+            write_whole(&path, |out| out.write_all(b"other"))?;
+            out.write_all(b"new").map_err(Box::<dyn std::error::Error + Send + Sync>::from)
+        })
+        .unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        let mut left: Vec<_> = others.iter().map(ToString::to_string).chain(["a.txt".to_owned()]).collect();
+        left.sort();
+        assert_eq!(names(), left);
     }
 }

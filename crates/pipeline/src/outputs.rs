@@ -4,12 +4,13 @@ use crate::files::{FileError, folder, stage};
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
-use tempfile::{NamedTempFile, TempPath};
+use tempfile::TempPath;
 
 /// Files that are written and do not have their names yet.
 #[derive(Debug, Default)]
 pub struct Outputs {
-    staged: Vec<(PathBuf, NamedTempFile)>,
+    /// Closed: a sequence may have more files than a process may hold open.
+    staged: Vec<(PathBuf, TempPath)>,
 }
 
 /// A file that has got its name, and what had it before.
@@ -33,7 +34,7 @@ impl Outputs {
         E: Into<Box<dyn std::error::Error + Send + Sync>>,
     {
         let (value, staged) = stage(path, write).map_err(|source| cannot_write(path, source))?;
-        self.staged.push((path.to_owned(), staged));
+        self.staged.push((path.to_owned(), staged.into_temp_path()));
         Ok(value)
     }
 
@@ -63,10 +64,10 @@ fn cannot_write(path: &Path, source: Box<dyn std::error::Error + Send + Sync>) -
 }
 
 /// Gives a file its name in one step. What had the name has another one beside it, until all is done.
-fn place(path: &Path, staged: NamedTempFile) -> io::Result<Placed> {
+fn place(path: &Path, staged: TempPath) -> io::Result<Placed> {
     let before = path.is_file().then(|| put_aside(path)).transpose()?;
     match staged.persist(path) {
-        Ok(_) => Ok(Placed { path: path.to_owned(), before }),
+        Ok(()) => Ok(Placed { path: path.to_owned(), before }),
         Err(error) => {
             put_back(path, before);
             Err(error.error)

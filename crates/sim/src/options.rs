@@ -13,7 +13,7 @@ pub struct SimOptions {
     /// The longest step, s; a frame is cut into equal steps not longer than this. `None`:
     /// [`SimOptions::DEFAULT_DT_SECS`], or what the integrator stands if that is less.
     pub dt_secs: Option<f64>,
-    /// [`Integrator::Adaptive`]: the most that a step may be off at any point, m, > 0.
+    /// [`Integrator::Adaptive`]: the most that a step may be off at any point, m, at least 1e-7.
     pub tolerance_m: f64,
     /// How many digits are computed with.
     pub precision: Precision,

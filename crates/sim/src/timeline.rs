@@ -119,9 +119,17 @@ impl<'a> Timeline<'a> {
         if !(duration_secs.is_finite() && duration_secs >= 0.0) {
             return Err(bad_option("duration_secs", duration_secs, "0 or a number above"));
         }
+        let is_too_many = |n_frames: f64| n_frames > MAX_FRAMES || n_frames * n_points as f64 > MAX_POSITIONS;
         let n_frames = n_frames(duration_secs, options.rate_hz);
-        if n_frames > MAX_FRAMES || n_frames * n_points as f64 > MAX_POSITIONS {
-            return Err(bad_option("duration_secs", duration_secs, "at most 1e7 frames and 1e9 positions"));
+        if is_too_many(n_frames) {
+            let expected = "at most 1e7 frames, and 1e9 positions of control points in them";
+            // A time that nobody gave, or that would do at the usual rate, is not what is wrong.
+            let usual_hz = SimOptions::default().rate_hz;
+            let is_rate =
+                options.duration_secs.is_none() || !is_too_many(self::n_frames(duration_secs, usual_hz));
+            let (option, found) =
+                if is_rate { ("rate_hz", options.rate_hz) } else { ("duration_secs", duration_secs) };
+            return Err(bad_option(option, found, expected));
         }
         let head = Head::new(scene, options);
         Ok(Self {

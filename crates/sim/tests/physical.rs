@@ -374,6 +374,21 @@ fn what_cannot_be_is_refused() {
     assert!(matches!(go(&other), Err(SimError::OtherMethod { .. })), "{:?}", go(&other));
     let none = SimOptions { tolerance_m: 0.0, ..SimOptions::of(Method::Physical) };
     assert!(matches!(go(&none), Err(SimError::BadOption { option: "tolerance_m", .. })));
+    // Less than steps can be told to be off by would take the shortest ones all along.
+    let tolerance =
+        |tolerance_m: f64| SimOptions { tolerance_m, ..physical(Integrator::Adaptive, 1.0 / 60.0, 0.1) };
+    assert!(go(&tolerance(1e-4 * 1e-3)).is_ok());
+    assert!(matches!(go(&tolerance(9e-8)), Err(SimError::BadOption { option: "tolerance_m", .. })));
+    // Too many frames: of the rate and the time the one that is not usual is named.
+    let frames = |rate_hz: f64, secs: f64| {
+        let options = SimOptions { rate_hz, duration_secs: Some(secs), ..SimOptions::default() };
+        match go(&options) {
+            Err(SimError::BadOption { option, .. }) => option,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(frames(1e9, 1.0), "rate_hz");
+    assert_eq!(frames(60.0, 1e9), "duration_secs");
     let single = |rate_hz: f64| SimOptions {
         precision: Precision::Single,
         ..physical(Integrator::Implicit, 1.0 / rate_hz, 0.1)

@@ -50,7 +50,7 @@ pub struct SimulateArgs {
     /// --method paper: exponential, semi-implicit [default: the first].
     #[arg(long, value_parser = parse_integrator, value_name = "NAME")]
     pub integrator: Option<tousle_sim::Integrator>,
-    /// With --integrator adaptive, the most that a step may be off, mm [default: 0.1].
+    /// With --integrator adaptive, the most that a step may be off, mm, 0.0001 or more [default: 0.1].
     #[arg(long, value_name = "MM")]
     pub tolerance_mm: Option<f64>,
     /// Compute in single precision: faster, for hair of usual proportions and steps of 1/480 s or longer. With

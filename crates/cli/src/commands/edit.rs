@@ -7,8 +7,8 @@ use std::fmt::Write;
 use std::io::Cursor;
 use tousle_core::Quantity;
 use tousle_direct::{DirectOptions, DirectReport, EditMethod, Made, Stage, apply};
-use tousle_edit::{EditEffects, StackChange, Under};
-use tousle_field::{FieldLayer, LayerOrigin};
+use tousle_edit::{EditEffects, EditList, StackChange, Under};
+use tousle_field::{FieldLayer, FieldSequence, LayerOrigin};
 use tousle_pipeline::{Watch, read_file, write_whole};
 use tousle_sim::{Method, SimOptions, Simulator};
 
@@ -48,6 +48,7 @@ pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let before = Under { motion: before.motion(), layers: &field.layers };
     let after = Under { motion: after.motion(), layers: &directed.stack };
     let effects = tousle_edit::measure(before, after, groom)?;
+    warn_of_nothing(args, field, &edits, &directed.stack);
     let stage = watch.stage("write");
     // The voxels are copied as they are packed: however often a field is edited, they stay what they were.
     write_whole(&args.output, |out| {
@@ -62,6 +63,30 @@ pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         sayln!("wrote {}", args.output.display());
     }
     Ok(losses(&report, direct.tolerance_m * 1e3))
+}
+
+/// Says where edits change nothing: a list without any, and layers of the list whose time is not the field's.
+fn warn_of_nothing(args: &EditArgs, field: &FieldSequence, edits: &EditList, stack: &[FieldLayer]) {
+    let file = args.edits.display();
+    if edits.changes.is_empty() && edits.winds.is_empty() && edits.edits.is_empty() {
+        eprintln!(
+            "warning: {file}: found no edits, expected [[edit]], [[wind]] or [[change]]: the field is written as it was"
+        );
+    }
+    // A single step stands for all times.
+    if field.steps.len() < 2 {
+        return;
+    }
+    let (start, end) = (field.start_secs, field.end_secs());
+    for layer in stack.iter().filter(|layer| !field.layers.contains(layer)) {
+        if layer.first_secs >= end || layer.last_secs <= start {
+            eprintln!(
+                "warning: {file}: layer {:?} ({:?}): found {:.3} to {:.3} s, expected some of the field's time, {start:.3} to \
+                 {end:.3} s: in it nothing changes",
+                layer.id, layer.name, layer.first_secs, layer.last_secs
+            );
+        }
+    }
 }
 
 fn direct_options(args: &EditArgs, quantity: Quantity) -> anyhow::Result<DirectOptions> {

@@ -4,7 +4,7 @@ use crate::ui::Outcome;
 use std::path::PathBuf;
 use tousle_core::Progress;
 use tousle_field::FieldSequence;
-use tousle_pipeline::{Watch, write_whole};
+use tousle_pipeline::{Outputs, Watch, write_whole};
 
 /// `tousle export`
 pub fn run(args: &ExportArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
@@ -31,13 +31,16 @@ fn write_vdbs(
 ) -> anyhow::Result<Vec<PathBuf>> {
     let flat = field.flattened();
     let n_steps = flat.steps.len();
+    // Together or not at all: part of a sequence is a shorter one to whoever reads it.
+    let mut outputs = Outputs::default();
     let mut files = Vec::with_capacity(n_steps);
     for step in 0..n_steps {
         let path = args.output.with_extension(format!("{step:04}.vdb"));
-        write_whole(&path, |out| tousle_export::write_step_vdb(&flat, step, out))?;
+        outputs.add(&path, |out| tousle_export::write_step_vdb(&flat, step, out))?;
         files.push(path);
         progress.at(step as u64 + 1, n_steps as u64);
     }
+    outputs.appear()?;
     let next = args.output.with_extension(format!("{n_steps:04}.vdb"));
     if next.exists() {
         eprintln!(

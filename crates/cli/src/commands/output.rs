@@ -23,11 +23,21 @@ pub fn check_output(output: &Path, endings: &[&str], inputs: &[&Path]) -> anyhow
 pub fn check_outputs(outputs: &[PathBuf], endings: &[&str], inputs: &[&Path]) -> anyhow::Result<()> {
     for (k, output) in outputs.iter().enumerate() {
         check_output(output, endings, inputs)?;
-        if outputs[..k].contains(output) {
-            wrong!("output {}: found it twice, expected each once", output.display());
+        if let Some(other) = outputs[..k].iter().find(|other| place(other) == place(output)) {
+            let called = if other == output { String::new() } else { format!(" (as {})", other.display()) };
+            wrong!("output {}: found it twice{called}, expected each once", output.display());
         }
     }
     Ok(())
+}
+
+/// Where a path leads, however it is spelled: also that of a file which is not there yet.
+fn place(path: &Path) -> PathBuf {
+    let of_folder = || {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Some(folder.canonicalize().ok()?.join(path.file_name()?))
+    };
+    path.canonicalize().ok().or_else(of_folder).unwrap_or_else(|| path.to_owned())
 }
 
 fn check_ending(path: &Path, endings: &[&str]) -> anyhow::Result<()> {

@@ -3,9 +3,9 @@ mod guided;
 mod head;
 mod resume;
 
-use super::{check_outputs, ending, only_with, print_json, read_groom, unusable};
+use super::{check_outputs, ending, only_with, print_json, read_groom_and_numbers, unusable};
 use crate::args::{ShapeArg, SimulateArgs};
-use crate::ui::Outcome;
+use crate::ui::{Outcome, WrongArgument};
 use anyhow::Context;
 use guided::Simulated;
 use resume::Resumable;
@@ -16,14 +16,38 @@ use tousle_core::{Groom, Quantity, StrandMotion};
 use tousle_eff::{Eff, Part, ReadOptions, Reader};
 use tousle_export::{ExportError, HairGeometry, UsdOptions};
 use tousle_field::Scene;
+use tousle_groom::ReadGroom;
 use tousle_pipeline::{Outputs, Watch, write_whole};
-use tousle_sim::{Integrator, Method, PlanEntry, Precision, SimOptions};
+use tousle_sim::{Integrator, Method, PlanEntry, Precision, SimError, SimOptions};
 
 /// `tousle simulate`
 pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
+    simulate(args, watch).map_err(|error| by_its_flag(error, args))
+}
+
+/// Names an option that cannot be as it was given: by its flag, in its unit.
+fn by_its_flag(error: anyhow::Error, args: &SimulateArgs) -> anyhow::Error {
+    let Some(SimError::BadOption { option, found, expected }) =
+        error.chain().find_map(|cause| cause.downcast_ref())
+    else {
+        return error;
+    };
+    let (flag, found) = match *option {
+        "rate_hz" => ("--rate-hz", *found),
+        "dt_secs" => ("--dt-secs", *found),
+        "duration_secs" => ("--duration-secs", *found),
+        "tolerance_m" => ("--tolerance-mm", args.tolerance_mm.unwrap_or(found * 1e3)),
+        _ => return error,
+    };
+    let found = if found.abs() < 1e-3 && found != 0.0 { format!("{found:e}") } else { format!("{found}") };
+    WrongArgument(format!("{flag}: found {found}, expected {expected}")).into()
+}
+
+fn simulate(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     check_args(args)?;
     let Asked { mut eff, mut options, plan } = read_field(args)?;
-    let groom = read_groom(&args.groom, &args.groom_args, &eff.scene, &eff.field.grid)?;
+    let ReadGroom { groom, numbers, .. } =
+        read_groom_and_numbers(&args.groom, &args.groom_args, &eff.scene, &eff.field.grid)?;
     let mut assumed = body::put_meshes(&mut eff.scene.body, &args.body_args, &groom, watch)?;
     if let Some(head) = head::read_head(args, &eff)? {
         options.head = Some(head.poses);
@@ -36,9 +60,13 @@ pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let scene = Scene { poses: options.head.unwrap_or_else(|| eff.scene.poses.clone()), ..eff.scene.clone() };
     let mut usd = usd_options(&scene, args.shape.unwrap_or(ShapeArg::Curves));
     usd.with_body = args.with_body;
+    usd.rate_hz = Some(args.rate_hz);
     let mut outputs = Outputs::default();
     for output in &args.output {
-        outputs.add(output, |out| put_motion(output, &simulated.motion, &groom, &usd, out))?;
+        outputs.add(output, |out| match ending(output).as_str() {
+            "npz" => tousle_export::write_numbered_motion_npz(&simulated.motion, &numbers, out),
+            _ => put_motion(output, &simulated.motion, &groom, &usd, out),
+        })?;
     }
     outputs.appear()?;
     if let Some(resumable) = resumable {

@@ -1,6 +1,6 @@
 use crate::args::StudioArgs;
 use crate::ui::Outcome;
-use anyhow::{Context, anyhow};
+use anyhow::{Context, bail};
 use std::env::{current_exe, split_paths, var_os};
 use std::path::PathBuf;
 use std::process::Command;
@@ -8,14 +8,27 @@ use std::process::Command;
 /// The editor's own program: a window needs hundreds of crates that no other command does.
 const PROGRAM: &str = "tousle-studio";
 
+/// What can be said of the editor without it; its own `--help` has the options.
+const HELP: &str =
+    "Pull hair to where the shot needs it, in a window\n\nUsage: tousle studio FIELD --groom GROOM";
+
+/// That the program is not there, and how to get it.
+fn missing() -> String {
+    format!(
+        "found no program {PROGRAM} beside this one nor in PATH; `cargo build --release -p {PROGRAM}` in a checkout makes it \
+         (some minutes the first time, Rust 1.95), and `cargo install --path crates/studio` puts it beside an installed tousle"
+    )
+}
+
 /// `tousle studio`
 pub fn run(args: &StudioArgs) -> anyhow::Result<Outcome> {
-    let program = find().ok_or_else(|| {
-        anyhow!(
-            "found no program {PROGRAM} beside this one nor in PATH; `cargo build --release -p {PROGRAM}` in a \
-             checkout makes it (some minutes the first time)"
-        )
-    })?;
+    let Some(program) = find() else {
+        if args.args.iter().any(|arg| arg == "--help" || arg == "-h") {
+            sayln!("{HELP}\n\nThe program that does it is not here: {}.", missing());
+            return Ok(Outcome::Fine);
+        }
+        bail!(missing());
+    };
     let ended = Command::new(&program)
         .args(&args.args)
         .status()

@@ -20,12 +20,41 @@ const MAX_BYTES: u64 = 1 << 32;
 /// [`ExportError::BadMotion`] if the motion's arrays do not fit together or hold a number that is not finite,
 /// [`ExportError::Io`] if `out` takes no more.
 pub fn write_motion_npz(motion: &StrandMotion, out: impl Write + Seek) -> Result<(), ExportError> {
+    write(motion, None, out)
+}
+
+/// [`write_motion_npz`] with `strand` (strands) i64: the number of each strand in the groom's file, from 0. Strands that
+/// cannot be simulated are left out and leave gaps in them.
+///
+/// # Errors
+/// As [`write_motion_npz`]; [`ExportError::BadMotion`] also if there is not one number a strand.
+pub fn write_numbered_motion_npz(
+    motion: &StrandMotion,
+    numbers: &[usize],
+    out: impl Write + Seek,
+) -> Result<(), ExportError> {
+    if numbers.len() != motion.counts.len() {
+        let (found, expected) =
+            (format!("{} numbers of strands", numbers.len()), motion.counts.len().to_string());
+        return Err(ExportError::BadMotion { found, expected });
+    }
+    write(motion, Some(numbers), out)
+}
+
+fn write(
+    motion: &StrandMotion,
+    numbers: Option<&[usize]>,
+    out: impl Write + Seek,
+) -> Result<(), ExportError> {
     check_motion(motion)?;
     let mut npz = NpzWriter::plain(out);
     let n_frames = motion.times_secs.len();
     npz.array("t", &[n_frames], motion.times_secs.iter().copied())?;
     npz.array("pos", &[n_frames, motion.n_points(), 3], motion.positions_m.iter().flatten().copied())?;
     npz.array("counts", &[motion.counts.len()], motion.counts.iter().map(|n| *n as i64))?;
+    if let Some(numbers) = numbers {
+        npz.array("strand", &[numbers.len()], numbers.iter().map(|n| *n as i64))?;
+    }
     npz.finish()?;
     Ok(())
 }

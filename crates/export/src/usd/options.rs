@@ -19,6 +19,9 @@ pub struct UsdOptions<'a> {
     pub world_up: UpAxis,
     /// Whether the scene's colliders are drawn, as guides.
     pub with_body: bool,
+    /// Frames of the motion a second, which become time codes: as exact as they were asked for. `None`: what the frames' times
+    /// say, and 24 of a motion of one frame.
+    pub rate_hz: Option<f64>,
 }
 
 /// What strands are drawn as.
@@ -54,6 +57,7 @@ impl Default for UsdOptions<'_> {
             in_world: false,
             world_up: UpAxis::Z,
             with_body: false,
+            rate_hz: None,
         }
     }
 }

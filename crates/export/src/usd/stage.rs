@@ -30,7 +30,7 @@ pub fn write_motion_usda(
     options: &UsdOptions<'_>,
     out: impl Write,
 ) -> Result<(), ExportError> {
-    let hair = Hair::new(motion, groom, options.width_scale)?;
+    let hair = Hair::new(motion, groom, options)?;
     check(options)?;
     let mut text = Text::new(out);
     write_header(&mut text, &hair, options)?;
