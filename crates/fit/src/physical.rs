@@ -44,7 +44,8 @@ pub struct PhysicalOptions {
     /// Error of a joint's bend, rad: what a spline between markers cannot see (curls of a few millimeters), and twist. If it
     /// rises, less is told by the outer ends of locks, whose weight is small beside their stiffness.
     pub bend_error_rad: f64,
-    /// How long the errors of a lock's moments last, s: that of its mass, its width and how it hung for as long as it leans so.
+    /// How long the errors of a lock's moments last, s: that of its mass, its width and how it hung for as long as it leans so. Twice
+    /// as long where no lock was seen at rest.
     /// If it rises, how a lock leans tells less of the wind, and how that changes tells more.
     pub errors_last_secs: f64,
     /// The share of those errors' square that does not last, 0 to 1.
