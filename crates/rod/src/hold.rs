@@ -35,7 +35,7 @@ pub struct Support<'a> {
 /// The energy: joints k/2 |c|² − b · c, c = 4 tan(θ/4) along the axis of the turn by θ, which hold a torque τ; weight and
 /// bearing forces on sticks that turn; what pushes outwards at the points that the body bears, and turns with its surface.
 /// Sticks turned by φ, with ψ = φⱼ − φⱼ₋₁ a joint's is, to second order, τ · φⱼ₋₁ × φⱼ / 2 + ψᵀ (k (1 + σ²)² + M) ψ / 2
-/// ([`second_bend`]). Eliminating sticks from the tip inwards, all of it is positive if every pivot is.
+/// (`second_bend`). Eliminating sticks from the tip inwards, all of it is positive if every pivot is.
 pub fn hold_rest(lock: &mut Lock, rest: &Rest, gravity: Vec3, support: &Support<'_>) -> f64 {
     let loads = Loads::new(lock, rest, gravity, support);
     if loads.hold(lock, &lock.joint_stiffness) {
