@@ -44,8 +44,7 @@ pub struct PhysicalOptions {
     /// Error of a joint's bend, rad: what a spline between markers cannot see (curls of a few millimeters), and twist. If it
     /// rises, less is told by the outer ends of locks, whose weight is small beside their stiffness.
     pub bend_error_rad: f64,
-    /// How long the errors of a lock's moments last, s: that of its mass, its width and how it hung for as long as it leans so. Twice
-    /// as long where no lock was seen at rest.
+    /// How long the errors of a lock's moments last, s: that of its mass, its width and how it hung for as long as it leans so.
     /// If it rises, how a lock leans tells less of the wind, and how that changes tells more.
     pub errors_last_secs: f64,
     /// The share of those errors' square that does not last, 0 to 1.
@@ -64,7 +63,7 @@ impl Default for PhysicalOptions {
             max_modes: 60,
             swirl_length_m: 0.14,
             bend_error_rad: 0.08,
-            errors_last_secs: 0.05,
+            errors_last_secs: 0.1,
             fleeting_share: 0.5,
             stiffness_known: true,
             locks_differ: true,

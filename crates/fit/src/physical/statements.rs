@@ -1,5 +1,6 @@
 //! What all locks say of the air at every step, with errors that last.
 
+use super::PhysicalOptions;
 use super::constants::{ConstantsAt, N_CONSTANTS};
 use super::moments::DragSlope;
 use super::noise::counted_as_one;
@@ -26,12 +27,8 @@ pub(crate) struct LockSaid {
     pub(crate) touches: bool,
 }
 
-/// How long errors last that do not ([`PhysicalOptions::fleeting_share`](super::PhysicalOptions::fleeting_share)), s: smoothed tracks say nothing new in less.
+/// How long errors last that do not ([`PhysicalOptions::fleeting_share`]), s: smoothed tracks say nothing new in less.
 const FLEETING_SECS: f64 = 1.0 / 30.0;
-
-/// How many times as long errors last where no lock was seen at rest, so that its natural shape is known less well. In the mean of six
-/// captures whose rest was hidden style B has .862 / .904 (explained motion, median lock) with 1, .884 / .904 with 2.
-const UNSEEN_REST_LASTS: f64 = 2.0;
 
 /// Steps that are asked side by side, before the next are.
 const ASKED_TOGETHER: usize = 50;
@@ -44,7 +41,7 @@ pub(crate) fn ask(
     slope: DragSlope,
 ) -> Vec<StepSaid> {
     let n_steps = problem.clock.n_steps;
-    let counts = Counts::of_steps(problem);
+    let counts = Counts::of_steps(1.0 / problem.clock.rate_hz, problem.options);
     let mut said = Vec::with_capacity(n_steps);
     // What the steps from `from` on say by themselves.
     let (mut from, mut all): (usize, Vec<Statements>) = (0, Vec::new());
@@ -80,10 +77,8 @@ struct Counts {
 }
 
 impl Counts {
-    fn of_steps(problem: &Problem<'_>) -> Self {
-        let (step_secs, options) = (1.0 / problem.clock.rate_hz, problem.options);
-        let times = if problem.still.is_some() { 1.0 } else { UNSEEN_REST_LASTS };
-        let left = libm::exp(-step_secs / (options.errors_last_secs * times));
+    fn of_steps(step_secs: f64, options: &PhysicalOptions) -> Self {
+        let left = libm::exp(-step_secs / options.errors_last_secs);
         let fleeting = options.fleeting_share;
         let of_change = 2.0 * (1.0 - left) * (1.0 - fleeting) + 2.0 * fleeting;
         let as_one = counted_as_one(step_secs);
