@@ -2,6 +2,7 @@ use crate::contact::Surface;
 use crate::lock::Lock;
 use crate::natural::rest_bend;
 use crate::rest::Rest;
+use crate::turn::torque_to_load;
 use nalgebra::Matrix3;
 use tousle_core::Vec3;
 
@@ -75,8 +76,7 @@ fn second_bend(sigma: Vec3, torque: Vec3) -> (f64, Matrix3<f64>) {
     let s2 = sigma.norm_squared();
     let grown = (1.0 + s2) * (1.0 + s2);
     // The slope by c: minus what the joint holds.
-    let slope =
-        -(torque * (1.0 - s2) + torque.cross(&sigma) * 2.0 + sigma * (2.0 * sigma.dot(&torque))) / grown;
+    let slope = -torque_to_load(sigma * 4.0, torque);
     let along = slope.dot(&sigma);
     let by = slope * (1.0 - s2) + sigma.cross(&slope) * 2.0 + sigma * (2.0 * along);
     let product = sigma * by.transpose();

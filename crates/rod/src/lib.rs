@@ -25,4 +25,4 @@ pub use lock::Lock;
 pub use natural::{Fall, Natural};
 pub use nnls::nonnegative_least_squares;
 pub use rest::{Bearing, Rest, joint_torques, rest_state};
-pub use turn::{ANGLE_OVER_SINE, shortest_rotation, shortest_turn, turned};
+pub use turn::{ANGLE_OVER_SINE, shortest_rotation, shortest_turn, torque_to_load, turned};

@@ -49,6 +49,17 @@ pub fn shortest_rotation(from: Vec3, to: Vec3) -> UnitQuaternion<f64> {
     }
 }
 
+/// The y, N·m, for which y · c has the gradient `torque` by a small turn of a joint's outer stick, c = 4 tan(θ/4) along the axis of the
+/// joint's turn by θ: `bend` as it stands.
+///
+/// The map from y to the gradient is (1 + σ²) times a rotation, σ = c/4, so its inverse is its transpose over (1 + σ²)².
+pub fn torque_to_load(bend: Vec3, torque: Vec3) -> Vec3 {
+    let sigma = bend * 0.25;
+    let s2 = sigma.norm_squared();
+    let transposed = torque * (1.0 - s2) - sigma.cross(&torque) * 2.0 + sigma * (2.0 * sigma.dot(&torque));
+    transposed / ((1.0 + s2) * (1.0 + s2))
+}
+
 /// A vector turned by a rotation vector that is at right angles to it (Rodrigues, without the third term).
 pub fn turned(vector: Vec3, turn: Vec3) -> Vec3 {
     let angle2 = turn.norm_squared();

@@ -7,7 +7,7 @@ use crate::parts::Count;
 use crate::touchable::reached;
 use nalgebra::UnitQuaternion;
 use tousle_core::Vec3;
-use tousle_rod::{DragLaw, Lock, Rest, shortest_rotation};
+use tousle_rod::{DragLaw, Lock, Rest, shortest_rotation, torque_to_load};
 
 /// A strand ready to be put into a batch.
 pub(super) type Prepared = crate::prepared::Prepared<Shape>;
@@ -50,16 +50,6 @@ impl Shape {
 fn bend_of(turn: UnitQuaternion<f64>) -> Vec3 {
     let q = if turn.w < 0.0 { -turn.into_inner() } else { turn.into_inner() };
     q.imag() * (4.0 / (1.0 + q.w))
-}
-
-/// The y for which the joint's potential has the gradient `torque`: the inverse of what `bend_joints` does to y.
-///
-/// The map is (1 + σ²) times a rotation, so its inverse is its transpose over (1 + σ²)².
-fn torque_to_load(bend: Vec3, torque: Vec3) -> Vec3 {
-    let sigma = bend * 0.25;
-    let s2 = sigma.norm_squared();
-    let transposed = torque * (1.0 - s2) - sigma.cross(&torque) * 2.0 + sigma * (2.0 * sigma.dot(&torque));
-    transposed / ((1.0 + s2) * (1.0 + s2))
 }
 
 /// Length of a stick without mass that follows a shorter strand's tip, m.
