@@ -1,10 +1,11 @@
 use rayon::prelude::*;
 use tousle_core::{Groom, Progress, StrandMotion, Vec3};
+use tousle_lanes::{Lane, Matrix, Precision, Registers, WithLanes};
 
 use crate::alike::lengths;
 use crate::guides::Follower;
-use crate::put::{Heard, NLanes, Prepared, Put, Stick, length};
-use crate::turns::AtRest;
+use crate::put::{Heard, Listening, Prepared, Put, Stick};
+use crate::turns::{AtRest, Turning};
 use crate::{GuideError, Guides};
 
 /// The most positions of a motion: 12 GB, as in the simulator.
@@ -12,6 +13,9 @@ const MAX_POSITIONS: f64 = 1e9;
 
 /// Strands that a thread puts in their places at once: few enough for many threads, enough to be worth handing out.
 const STRANDS_AT_ONCE: usize = 128;
+
+/// Guides whose turns a thread works out at once.
+const GUIDES_AT_ONCE: usize = 32;
 
 /// A stick whose share of the length is so near to that of a guide's stick is heard of that one alone: strands of as many even
 /// points as their guides, as most grooms have, hear of half as many sticks.
@@ -51,20 +55,51 @@ pub fn follow(
         .map(|(s, f)| leaders.prepare(&s.rest_curve_m, f))
         .collect();
     let mut positions_m = vec![[0.0; 3]; n_frames * n_points];
-    let arch = pulp::Arch::new();
-    let n_lanes = arch.dispatch(NLanes);
-    for (block, out) in positions_m.chunks_mut(n_lanes * n_points).enumerate() {
-        let frames: Vec<&[[f32; 3]]> =
-            (n_lanes * block..n_frames).take(n_lanes).map(|frame| motion.frame(frame)).collect();
-        let turned = leaders.turned(&frames, n_lanes);
-        parts(&strands, &counts, out.chunks_exact_mut(n_points).collect()).into_par_iter().for_each(
-            |(strands, mut out)| {
-                arch.dispatch(Put { strands, guide_points: &frames, turned: &turned, out: &mut out });
-            },
-        );
-        progress.at((n_lanes * block + frames.len()) as u64, n_frames as u64);
-    }
+    let registers = Registers::widest();
+    registers.with_lanes(
+        Precision::Single,
+        Following {
+            registers,
+            leaders: &leaders,
+            strands: &strands,
+            counts: &counts,
+            motion,
+            positions_m: &mut positions_m,
+            progress,
+        },
+    );
     Ok(StrandMotion { counts, times_secs: motion.times_secs.clone(), positions_m })
+}
+
+/// All frames, as many at once as there are lanes.
+struct Following<'a> {
+    registers: Registers,
+    leaders: &'a Leaders,
+    strands: &'a [Prepared],
+    counts: &'a [usize],
+    motion: &'a StrandMotion,
+    positions_m: &'a mut [[f32; 3]],
+    progress: &'a dyn Progress,
+}
+
+impl WithLanes for Following<'_> {
+    type Output = ();
+
+    fn with<L: Lane>(self) {
+        let n_points: usize = self.counts.iter().sum();
+        let n_frames = self.motion.times_secs.len();
+        let mut turned = vec![Matrix::<L>::zero(); self.leaders.n_sticks()];
+        for (block, out) in self.positions_m.chunks_mut(L::N * n_points).enumerate() {
+            let frames: Vec<&[[f32; 3]]> =
+                (L::N * block..n_frames).take(L::N).map(|frame| self.motion.frame(frame)).collect();
+            self.leaders.turn(self.registers, &frames, &mut turned);
+            let parts = parts(self.strands, self.counts, out.chunks_exact_mut(n_points).collect());
+            parts.into_par_iter().for_each(|(strands, mut out)| {
+                L::dispatch(Put { strands, guide_points: &frames, turned: &turned, out: &mut out });
+            });
+            self.progress.at((L::N * block + frames.len()) as u64, n_frames as u64);
+        }
+    }
 }
 
 /// Some strands, and where their points go in each frame.
@@ -134,30 +169,27 @@ impl Leaders {
         }
     }
 
-    /// How far all guides' sticks have turned since rest, guide after guide: the nine numbers of R − 1, row after row, each in so
-    /// many frames side by side; where there are fewer frames, the last again.
+    /// How many sticks all guides have.
+    fn n_sticks(&self) -> usize {
+        self.counts.iter().map(|n| n - 1).sum()
+    }
+
+    /// How far all guides' sticks have turned since rest in some frames, guide after guide: R − 1. Where there are fewer
+    /// frames than lanes, the last again.
     ///
-    /// In single precision 1 itself would leave nothing of small turns; and what is at rest stays there to the bit.
-    fn turned(&self, frames: &[&[[f32; 3]]], n_lanes: usize) -> Vec<f32> {
-        let of_guide = |(guide, at_rest): (usize, &AtRest)| {
-            let points = self.first_point[guide]..self.first_point[guide] + self.counts[guide];
-            let mut of_frame = Vec::with_capacity(points.len());
-            let mut turned = vec![0.0; (points.len() - 1) * 9 * n_lanes];
-            for lane in 0..n_lanes {
-                if let Some(frame) = frames.get(lane) {
-                    let curve: Vec<Vec3> = frame[points.clone()].iter().copied().map(double).collect();
-                    of_frame.clear();
-                    at_rest.turns(&curve, &mut of_frame);
-                }
-                let numbers = of_frame.iter().flat_map(|turn| turn.transpose().data.0).flatten();
-                for ((turned, number), k) in turned.chunks_exact_mut(n_lanes).zip(numbers).zip((0..9).cycle())
-                {
-                    turned[lane] = (number - if k % 4 == 0 { 1.0 } else { 0.0 }) as f32;
-                }
-            }
-            turned
+    /// The turns are worked out in double precision: they are products of as many as there are sticks, and what is at rest
+    /// stays there to the bit.
+    fn turn<L: Lane>(&self, registers: Registers, frames: &[&[[f32; 3]]], mut turned: &mut [Matrix<L>]) {
+        let own = |counts: &[usize]| {
+            let n_sticks = counts.iter().map(|n| n - 1).sum();
+            turned.split_off_mut(..n_sticks).expect("all guides' sticks")
         };
-        self.at_rest.par_iter().enumerate().flat_map_iter(of_guide).collect()
+        let own: Vec<_> = self.counts.chunks(GUIDES_AT_ONCE).map(own).collect();
+        let guides = self.at_rest.par_chunks(GUIDES_AT_ONCE).zip(self.first_point.par_chunks(GUIDES_AT_ONCE));
+        guides.zip(own).for_each(|((at_rest, first_points), turned)| {
+            let turning = Turning { at_rest, first_points, frames, turned };
+            registers.with_lanes(Precision::Double, turning);
+        });
     }
 
     fn prepare(&self, curve_m: &[Vec3], follower: &Follower) -> Prepared {
@@ -168,15 +200,19 @@ impl Leaders {
             }
             Follower::Mean(guides) => guides,
         };
-        let mut heard = Vec::with_capacity(2 * guides.len() * (curve_m.len() - 1));
-        let stick = |(pair, share): (&[Vec3], f64)| {
+        let middles = middles(curve_m);
+        let is_alike = guides.iter().all(|(guide, _)| are_alike(&middles, &self.middles[*guide]));
+        let n_listened = if is_alike { 1 } else { middles.len() };
+        let mut heard = Vec::with_capacity(2 * guides.len() * n_listened);
+        let mut n_heard = Vec::with_capacity(n_listened);
+        for share in &middles[..n_listened] {
             let before = heard.len();
-            guides.iter().for_each(|(guide, weight)| self.hear(*guide, *weight, share, &mut heard));
-            let [rest_m, end_m] = [pair[1] - pair[0], pair[1]].map(single);
-            Stick { rest_m, length_m: length(rest_m), end_m, n_heard: heard.len() - before }
-        };
-        let sticks = curve_m.windows(2).zip(middles(curve_m)).map(stick).collect();
-        Prepared::Sticks { root_m: single(curve_m[0]), sticks, heard }
+            guides.iter().for_each(|(guide, weight)| self.hear(*guide, *weight, *share, &mut heard));
+            n_heard.push(heard.len() - before);
+        }
+        let sticks = curve_m.windows(2).map(|pair| Stick::new(pair[0], pair[1])).collect();
+        let listening = if is_alike { Listening::StickByStick } else { Listening::Each { n_heard } };
+        Prepared::Sticks { root_m: single(curve_m[0]), sticks, heard, listening }
     }
 
     /// What a stick at a share of its strand's length hears of a guide.
@@ -204,6 +240,12 @@ impl Leaders {
     }
 }
 
+/// Whether the middles of two strands' sticks lie at the same shares of their lengths.
+fn are_alike(middles: &[f64], others: &[f64]) -> bool {
+    let is_near = |(a, b): (&f64, &f64)| (a - b).abs() < SAME_SHARE;
+    middles.len() == others.len() && middles.iter().zip(others).all(is_near)
+}
+
 /// Shares of a polyline's length at which the middles of its sticks lie.
 fn middles(curve: &[Vec3]) -> Vec<f64> {
     let (along, length) = lengths(curve);
@@ -220,10 +262,10 @@ pub(crate) fn starts(counts: &[usize]) -> Vec<usize> {
     counts.iter().map(start).collect()
 }
 
-fn single(point: Vec3) -> [f32; 3] {
+pub(crate) fn single(point: Vec3) -> [f32; 3] {
     point.map(|c| c as f32).into()
 }
 
-fn double(point: [f32; 3]) -> Vec3 {
+pub(crate) fn double(point: [f32; 3]) -> Vec3 {
     point.map(f64::from).into()
 }

@@ -1,7 +1,8 @@
-use std::ops::Range;
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 use tousle_core::{Groom, StrandMotion, Vec3};
+use tousle_lanes::{Lane, NullaryFnOnce, Precision, Registers, WithLanes};
 use tousle_rod::Surface;
 
 use crate::Guides;
@@ -31,40 +32,88 @@ pub fn keep_out(
     at_times: &[Vec<Surface>],
 ) -> u64 {
     assert_eq!(motion.times_secs.len(), at_times.len(), "surfaces for each time");
-    let depths_at_rest =
-        |point: &Vec3| at_rest.iter().map(|s| s.gap(*point).distance_m.min(0.0)).collect::<Vec<_>>();
     let mut follows = vec![true; groom.strands.len()];
     guides.strands().iter().for_each(|guide| follows[*guide] = false);
-    let strands: Vec<Follower> = (groom.strands.par_iter().zip(starts(&motion.counts)).zip(follows))
+    let strands: Vec<Follower> = (groom.strands.iter().zip(starts(&motion.counts)).zip(follows))
         .filter(|(_, follows)| *follows)
         .map(|((strand, first), _)| Follower {
-            points: first..first + strand.rest_curve_m.len(),
-            deepest_m: strand.rest_curve_m.iter().flat_map(depths_at_rest).collect(),
+            rest_curve_m: &strand.rest_curve_m,
+            first_point: first,
+            deepest_m: OnceLock::new(),
         })
         .collect();
-    let n_points = motion.n_points();
-    let frames = motion.positions_m.par_chunks_exact_mut(n_points).zip(at_times);
-    frames
-        .map(|(points, surfaces)| {
-            let outlines: Vec<Outline> = surfaces.iter().map(Outline::of).collect();
-            let entered = |points: &[[f32; 3]]| Outline::any_entered(&outlines, points);
-            let mut n_moved = 0;
-            for Follower { points: own, deepest_m } in &strands {
-                let strand = &mut points[own.clone()];
-                // Most enter nothing; to look at a whole strand takes less than to push one point.
-                n_moved += if entered(&strand[1..]) { push_out(strand, surfaces, deepest_m) } else { 0 };
+    Registers::widest()
+        .with_lanes(Precision::Single, Keeping { strands: &strands, motion, at_rest, at_times })
+}
+
+/// All frames, a few of a strand's points at once.
+struct Keeping<'a> {
+    strands: &'a [Follower<'a>],
+    motion: &'a mut StrandMotion,
+    at_rest: &'a [Surface],
+    at_times: &'a [Vec<Surface>],
+}
+
+impl WithLanes for Keeping<'_> {
+    type Output = u64;
+
+    fn with<L: Lane>(self) -> u64 {
+        let Self { strands, motion, at_rest, at_times } = self;
+        let n_points = motion.n_points();
+        let frames = motion.positions_m.par_chunks_exact_mut(n_points).zip(at_times);
+        frames
+            .map(|(points, surfaces)| {
+                let outlines: Vec<Outline<L>> = surfaces.iter().map(Outline::of).collect();
+                L::dispatch(Frame { strands, points, at_rest, surfaces, outlines: &outlines })
+            })
+            .sum()
+    }
+}
+
+/// A frame.
+struct Frame<'a, L> {
+    strands: &'a [Follower<'a>],
+    points: &'a mut [[f32; 3]],
+    at_rest: &'a [Surface],
+    surfaces: &'a [Surface],
+    outlines: &'a [Outline<L>],
+}
+
+impl<L: Lane> NullaryFnOnce for Frame<'_, L> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn call(self) -> u64 {
+        let Self { strands, points, at_rest, surfaces, outlines } = self;
+        let like = L::zero();
+        let mut n_moved = 0;
+        for follower in strands {
+            let strand = &mut points[follower.first_point..][..follower.rest_curve_m.len()];
+            // Most enter nothing; to look at a whole strand takes less than to push one point.
+            if Outline::any_entered(outlines, like, &strand[1..]) {
+                n_moved += push_out(strand, surfaces, follower.deepest_m(at_rest));
             }
-            n_moved
-        })
-        .sum()
+        }
+        n_moved
+    }
 }
 
 /// A strand that follows.
-struct Follower {
-    /// Its points among those of all.
-    points: Range<usize>,
-    /// How deep each of them lies in each surface at rest, ≤ 0, m: point after point.
-    deepest_m: Vec<f64>,
+struct Follower<'a> {
+    rest_curve_m: &'a [Vec3],
+    /// Its first point among those of all.
+    first_point: usize,
+    /// [`Follower::deepest_m`], once it was asked for.
+    deepest_m: OnceLock<Vec<f64>>,
+}
+
+impl Follower<'_> {
+    /// How deep each of its points lies in each surface at rest, ≤ 0, m: point after point.
+    fn deepest_m(&self, at_rest: &[Surface]) -> &[f64] {
+        let depths =
+            |point: &Vec3| at_rest.iter().map(|s| s.gap(*point).distance_m.min(0.0)).collect::<Vec<_>>();
+        self.deepest_m.get_or_init(|| self.rest_curve_m.iter().flat_map(depths).collect())
+    }
 }
 
 /// Pushes a strand's points out of surfaces. Out: how many were moved.

@@ -1,32 +1,40 @@
 //! Puts strands where their guides take them, as many frames side by side as a register holds.
 //!
-//! What a strand hears of its guides is ten times as many numbers as where it is, and the same in all frames. Frames never
-//! meet, so a frame's bits do not depend on the registers; a product and a sum are two roundings on every machine. What is written
-//! out here could be maps of arrays, but those are calls for the compiler, of functions that know no wide registers.
+//! What a strand hears of its guides is more than where it is, and the same in all frames. Frames never meet, so a
+//! frame's bits do not depend on the registers.
 
 use std::ops::Range;
 
-use pulp::bytemuck::cast_slice;
-use pulp::{Simd, WithSimd};
+use tousle_core::Vec3;
+use tousle_lanes::{F32x1, Lane, Matrix, NullaryFnOnce, Vector};
+
+use crate::follow::single;
 
 /// A strand, ready to be put where its guides are.
 pub(crate) enum Prepared {
     /// Its points are there among the guides'.
     Guide(Range<usize>),
     /// It follows.
-    Sticks { root_m: [f32; 3], sticks: Vec<Stick>, heard: Vec<Heard> },
+    Sticks { root_m: [f32; 3], sticks: Vec<Stick>, heard: Vec<Heard>, listening: Listening },
+}
+
+/// Which sticks of a strand hear what.
+pub(crate) enum Listening {
+    /// Each hears its own, so many after those of the stick before.
+    Each { n_heard: Vec<usize> },
+    /// The first hears all; each of the others what it does, of the guides' next sticks.
+    StickByStick,
 }
 
 /// A stick of a strand that follows.
 pub(crate) struct Stick {
     /// From its near end to the other at rest, m.
-    pub(crate) rest_m: [f32; 3],
-    /// Its [`length`], m.
-    pub(crate) length_m: f32,
+    rest_m: [f32; 3],
+    /// Its length and the square of that, m and m², as [`turn`] has them: what is at rest is as long as at rest, to the bit.
+    length_m: f32,
+    length2_m2: f32,
     /// Its far end at rest, m.
-    pub(crate) end_m: [f32; 3],
-    /// How many of the strand's [`Heard`] are its own; they follow those of the stick before.
-    pub(crate) n_heard: usize,
+    end_m: [f32; 3],
 }
 
 /// What a stick hears of a guide's stick.
@@ -37,122 +45,119 @@ pub(crate) struct Heard {
     pub(crate) weight: f32,
 }
 
-/// The length of a stick, m, summed as [`Put`] sums it: what is at rest is as long as at rest, to the bit.
-pub(crate) fn length([x, y, z]: [f32; 3]) -> f32 {
-    (x * x + y * y + z * z).sqrt()
-}
-
-/// How many frames fit a register.
-pub(crate) struct NLanes;
-
-impl WithSimd for NLanes {
-    type Output = usize;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> usize {
-        S::F32_LANES
+impl Stick {
+    /// A stick from its near end to its far end at rest, m.
+    pub(crate) fn new(near: Vec3, far: Vec3) -> Self {
+        let [rest_m, end_m] = [far - near, far].map(single);
+        let length2 = vector(F32x1::zero(), rest_m).norm_squared();
+        let [length_m, length2_m2] = [length2.sqrt(), length2].map(|l| l.get(0) as f32);
+        Self { rest_m, length_m, length2_m2, end_m }
     }
 }
 
-/// Some strands, put where their guides take them in as many frames as fit a register, or fewer.
-pub(crate) struct Put<'a, 'b> {
+/// Some strands, put where their guides take them in as many frames as there are lanes, or fewer.
+pub(crate) struct Put<'a, 'b, L> {
     pub(crate) strands: &'a [Prepared],
     /// The guides' points in each frame.
     pub(crate) guide_points: &'a [&'a [[f32; 3]]],
-    /// How far each stick of the guides has turned: the nine numbers of R − 1, row after row, each in as many frames side by
-    /// side as fit a register.
-    pub(crate) turned: &'a [f32],
+    /// How far each stick of the guides has turned: R − 1.
+    pub(crate) turned: &'a [Matrix<L>],
     /// The strands' points in each frame.
     pub(crate) out: &'a mut [&'b mut [[f32; 3]]],
 }
 
-impl WithSimd for Put<'_, '_> {
+impl<L: Lane> NullaryFnOnce for Put<'_, '_, L> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let (turned, _) = cast_slice::<f32, S::f32s>(self.turned).as_chunks::<9>();
+    fn call(self) {
+        // A frame's points are far from the next frame's, often by as much as caches have places for: all of a strand's go
+        // there together.
+        let mut places = Vec::new();
         let mut first = 0;
         for strand in self.strands {
-            match strand {
+            let n_points = match strand {
                 Prepared::Guide(points) => {
                     for (guide_points, out) in self.guide_points.iter().zip(&mut *self.out) {
                         out[first..first + points.len()].copy_from_slice(&guide_points[points.clone()]);
                     }
-                    first += points.len();
+                    points.len()
                 }
-                Prepared::Sticks { root_m, sticks, heard } => {
-                    self.out.iter_mut().for_each(|out| out[first] = *root_m);
-                    put_sticks(simd, sticks, heard, turned, self.out, first + 1);
-                    first += 1 + sticks.len();
+                Prepared::Sticks { root_m, sticks, heard, listening } => {
+                    let n_points = 1 + sticks.len();
+                    places.resize(L::N * n_points + 1, [0.0; 3]);
+                    put_sticks(*root_m, sticks, heard, listening, self.turned, &mut places);
+                    for (out, places) in self.out.iter_mut().zip(places.chunks_exact(n_points)) {
+                        out[first..first + n_points].copy_from_slice(places);
+                    }
+                    n_points
                 }
-            }
+            };
+            first += n_points;
         }
     }
 }
 
-/// Puts the far ends of a strand's sticks, the first of which is point `first` of each frame.
+/// Puts a strand's points, frame after frame; behind them there is room for one more.
 #[inline(always)]
-fn put_sticks<S: Simd>(
-    simd: S,
+fn put_sticks<L: Lane>(
+    root_m: [f32; 3],
     sticks: &[Stick],
     mut heard: &[Heard],
-    turned: &[[S::f32s; 9]],
-    out: &mut [&mut [[f32; 3]]],
-    first: usize,
+    listening: &Listening,
+    turned: &[Matrix<L>],
+    places: &mut [[f32; 3]],
 ) {
-    let zeros = [simd.splat_f32s(0.0); 3];
+    let n_points = 1 + sticks.len();
+    let like = turned[0].x.x;
     // By how far a point is from its rest place, so that at rest it is there to the last digit; and what rounding took off that sum
     // (Kahan 1965).
-    let (mut moved, mut lost) = (zeros, zeros);
-    for (point, stick) in (first..).zip(sticks) {
-        let (own, others) = heard.split_at(stick.n_heard);
-        heard = others;
-        let now = turn(simd, stick, own, turned);
-        for axis in 0..3 {
-            let by = simd.sub_f32s(now[axis], simd.splat_f32s(stick.rest_m[axis]));
-            let by = simd.sub_f32s(by, lost[axis]);
-            let sum = simd.add_f32s(moved[axis], by);
-            lost[axis] = simd.sub_f32s(simd.sub_f32s(sum, moved[axis]), by);
-            moved[axis] = sum;
-            let place = simd.add_f32s(simd.splat_f32s(stick.end_m[axis]), sum);
-            for (out, place) in out.iter_mut().zip(cast_slice::<S::f32s, f32>(&[place])) {
-                out[point][axis] = *place;
+    let (mut moved, mut lost) = (Vector::none(like), Vector::none(like));
+    for (k, stick) in sticks.iter().enumerate() {
+        let now = match listening {
+            Listening::StickByStick => turn(stick, heard, &turned[k..]),
+            Listening::Each { n_heard } => {
+                let (own, others) = heard.split_at(n_heard[k]);
+                heard = others;
+                turn(stick, own, turned)
             }
-        }
+        };
+        let by = now - vector(like, stick.rest_m) - lost;
+        let sum = moved + by;
+        lost = (sum - moved) - by;
+        moved = sum;
+        let Vector { x, y, z } = vector(like, stick.end_m) + sum;
+        L::each_point([x, y, z], |lane, place| put(places, lane * n_points + k + 1, place));
     }
+    (0..L::N).for_each(|lane| places[lane * n_points] = root_m);
+}
+
+/// Puts a point and whatever comes behind it, where the next point's x will be.
+#[inline(always)]
+fn put(places: &mut [[f32; 3]], point: usize, place: [f32; 4]) {
+    places.as_flattened_mut()[3 * point..3 * point + 4].copy_from_slice(&place);
 }
 
 /// The stick where what it hears turns it.
 #[inline(always)]
-fn turn<S: Simd>(simd: S, stick: &Stick, heard: &[Heard], turned: &[[S::f32s; 9]]) -> [S::f32s; 3] {
-    let mut sum = [simd.splat_f32s(0.0); 9];
+fn turn<L: Lane>(stick: &Stick, heard: &[Heard], turned: &[Matrix<L>]) -> Vector<L> {
+    let like = turned[0].x.x;
+    let mut sum = Matrix::none(like);
     for Heard { turn, weight } in heard {
-        let weight = simd.splat_f32s(*weight);
-        for (sum, off) in sum.iter_mut().zip(&turned[*turn as usize]) {
-            *sum = simd.add_f32s(*sum, simd.mul_f32s(weight, *off));
-        }
+        sum = turned[*turn as usize].mul_add(like.same(f64::from(*weight)), &sum);
     }
-    let [x, y, z] = stick.rest_m;
-    let rest = [simd.splat_f32s(x), simd.splat_f32s(y), simd.splat_f32s(z)];
-    let [xx, xy, xz, yx, yy, yz, zx, zy, zz] = sum;
-    let mean = [
-        simd.add_f32s(rest[0], dot(simd, [xx, xy, xz], rest)),
-        simd.add_f32s(rest[1], dot(simd, [yx, yy, yz], rest)),
-        simd.add_f32s(rest[2], dot(simd, [zx, zy, zz], rest)),
-    ];
-    let norm = simd.sqrt_f32s(dot(simd, mean, mean));
+    let rest = vector(like, stick.rest_m);
+    let mean = sum.mul_vector_add(rest, rest);
+    let norm2 = mean.norm_squared();
+    let [length, length2] = [stick.length_m, stick.length2_m2].map(|l| like.same(f64::from(l)));
+    // The mean times its length at rest over that it has: 1 to the bit where the two are the same.
+    let per_norm = norm2.per_sqrt();
+    let more = (length2 - norm2) * per_norm * per_norm / length.mul_add(per_norm, like.same(1.0));
     // Weights see to it that what guides say never cancels; a stick without length has no direction to turn.
-    let is_turned = simd.greater_than_f32s(norm, simd.splat_f32s(1e-6 * stick.length_m));
-    let scale = simd.div_f32s(simd.splat_f32s(stick.length_m), norm);
-    let mut now = rest;
-    for axis in 0..3 {
-        now[axis] = simd.select_f32s(is_turned, simd.mul_f32s(mean[axis], scale), rest[axis]);
-    }
-    now
+    Vector::where_above(norm2, length2 * like.same(1e-12), mean.mul_add(more, mean), rest)
 }
 
 #[inline(always)]
-fn dot<S: Simd>(simd: S, [ax, ay, az]: [S::f32s; 3], [bx, by, bz]: [S::f32s; 3]) -> S::f32s {
-    simd.add_f32s(simd.add_f32s(simd.mul_f32s(ax, bx), simd.mul_f32s(ay, by)), simd.mul_f32s(az, bz))
+fn vector<L: Lane>(like: L, [x, y, z]: [f32; 3]) -> Vector<L> {
+    Vector::new(like.same(f64::from(x)), like.same(f64::from(y)), like.same(f64::from(z)))
 }

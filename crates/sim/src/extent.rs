@@ -1,8 +1,8 @@
 //! Where strands ask the field.
 
 use crate::frames::single;
-use crate::lane::{Lane, Vector};
 use tousle_core::Vec3;
+use tousle_lanes::{Lane, Vector};
 
 /// A box for each strand of a batch, around all points at which it asked the field in some steps, head space, m.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,9 @@
 //! What a run hands out: frames of single-precision positions, and what they say of stretch.
 
-use crate::lane::{Lane, MOST_LANES, Vector};
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 use tousle_core::{Groom, StrandMotion, Vec3};
+use tousle_lanes::{Lane, MOST_LANES, Vector};
 
 /// A point as the result holds it.
 pub(crate) fn single(point: Vec3) -> [f32; 3] {

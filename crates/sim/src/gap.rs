@@ -1,6 +1,6 @@
 //! How far points are from a surface, and from being near it.
 
-use crate::lane::{Lane, Matrix, Vector};
+use tousle_lanes::{Lane, Matrix, Vector};
 use tousle_rod::{Surface, SurfaceShape};
 
 /// The square of a length that is none, m².
@@ -86,9 +86,9 @@ impl<L: Lane> Seen<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::F64x1;
     use nalgebra::UnitQuaternion;
     use tousle_core::{Pose, Shape, Vec3};
+    use tousle_lanes::F64x1;
     use tousle_rod::Gap;
 
     /// [`Gap`] of one point.

@@ -1,6 +1,6 @@
 use crate::Integrator;
-use crate::lane::{Lane, Vector, fade, sine_to_quarter};
 use core::f64::consts::FRAC_PI_2;
+use tousle_lanes::{Lane, Vector, fade, sine_to_quarter};
 
 /// E1 of one joint over one step: I1 Φ″ + I2 Φ′ + τ Φ = H, Φ counted from where the stick is now.
 #[derive(Clone, Copy, Debug)]
@@ -95,7 +95,7 @@ fn mean_fade<L: Lane>(x: L) -> L {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::F64x1;
+    use tousle_lanes::F64x1;
 
     /// A joint with I = 2.
     fn joint(resistance: f64, strength: f64) -> JointEquation<F64x1> {

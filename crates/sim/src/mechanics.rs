@@ -1,7 +1,6 @@
 //! What a method must say of itself so that it can be run.
 
 use crate::extent::Extent;
-use crate::lane::{Lane, Registers, Vector};
 use crate::parts::Count;
 use crate::prepared::Prepared;
 use crate::stability::Limit;
@@ -10,6 +9,7 @@ use crate::{Precision, SimOptions};
 use core::fmt::Debug;
 use tousle_core::{Assumption, Groom, Vec3};
 use tousle_field::{FieldSequence, Reading, Sampler, Scene};
+use tousle_lanes::{Lane, Registers, Vector};
 use tousle_rod::DragLaw;
 
 /// What is simulated, and how.
@@ -104,5 +104,41 @@ pub(crate) trait Mechanics: Copy + Debug + Send + Sync + 'static {
     /// What was assumed so that the strands hang as they do.
     fn assumed(_strands: &[Prepared<Self::Shape>]) -> Vec<Assumption> {
         Vec::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Method;
+    use crate::paper::Paper;
+    use crate::physical::Physical;
+    use crate::ready::Ready;
+    use crate::timeline::Runs;
+    use tousle_bench::worlds::{gusts, mannequin, wig};
+    use tousle_core::NoProgress;
+
+    /// A strand does not know how many are stepped beside it, nor in which registers.
+    #[test]
+    fn strands_move_the_same_in_all_registers() {
+        let (field, scene, groom) = (gusts(), mannequin(), wig(21, 9));
+        let here = Registers::here();
+        for method in [Method::Paper, Method::Physical] {
+            for precision in [Precision::Double, Precision::Single] {
+                let options = SimOptions { precision, duration_secs: Some(0.15), ..SimOptions::of(method) };
+                let setting =
+                    Setting { field: &field, scene: &scene, groom: &groom, whole: None, options: &options };
+                let run = |registers: &Registers| {
+                    let ready = match method {
+                        Method::Paper => Ready::<Paper>::resident_in(setting, *registers, precision),
+                        Method::Physical => Ready::<Physical>::resident_in(setting, *registers, precision),
+                    };
+                    let simulation = ready.unwrap().run(&[], None, &NoProgress, Runs::Again);
+                    simulation.unwrap().motion.positions_m
+                };
+                let moved: Vec<_> = here.iter().map(run).collect();
+                assert!(moved.iter().all(|m| *m == moved[0]), "{method:?}, {precision:?}, {here:?}");
+            }
+        }
     }
 }

@@ -1,4 +1,4 @@
-use crate::Integrator;
+use crate::{Integrator, Precision};
 use tousle_core::{PoseTrack, Quantity};
 
 /// How to simulate.
@@ -15,7 +15,9 @@ pub struct SimOptions {
     pub dt_secs: Option<f64>,
     /// [`Integrator::Adaptive`]: the most that a step may be off at any point, m, at least 1e-7.
     pub tolerance_m: f64,
-    /// How many digits are computed with.
+    /// How many digits are computed with, where the integrator leaves the choice ([`SimOptions::has_single`]). Double is
+    /// for every hairstyle; single is up to twice as fast, for hair of usual proportions. Sticks much shorter than 1 mm,
+    /// or much stiffer than their weight, want double.
     pub precision: Precision,
     /// What the wind and the head do outside the field's span.
     pub time: TimeMode,
@@ -39,17 +41,6 @@ pub enum Method {
     /// An inextensible elastic rod a strand, all joints solved at once.
     #[default]
     Physical,
-}
-
-/// How many digits are computed with, where the integrator leaves the choice ([`SimOptions::has_single`]).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Precision {
-    /// Double: for every hairstyle.
-    #[default]
-    Double,
-    /// Single: up to twice as fast, for hair of usual proportions. Sticks much shorter than 1 mm, or much stiffer than
-    /// their weight, want double.
-    Single,
 }
 
 /// What the wind and the head do outside the field's span.

@@ -19,10 +19,10 @@ mod stability;
 use crate::Integrator;
 use crate::extent::Extent;
 use crate::joint::{JointEquation, JointStep};
-use crate::lane::{Lane, Symmetric, Vector, cos_and_sine_share};
 use crate::plan::Terms;
 use crate::timeline::StepScene;
 use contact::Contacts;
+use tousle_lanes::{Lane, Symmetric, Vector, cos_and_sine_share};
 use tousle_rod::{DragLaw, Lock, turned};
 
 /// What all strands of a run share.

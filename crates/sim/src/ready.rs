@@ -2,7 +2,6 @@
 
 use crate::assumptions::assumptions;
 use crate::frames::{Frames, max_stretch, single};
-use crate::lane::Registers;
 use crate::mechanics::{Mechanics, Setting};
 use crate::parts::{Count, Part, run_parts};
 use crate::plan::plan;
@@ -19,6 +18,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use tousle_core::{NoProgress, Progress, StrandMotion};
 use tousle_field::{FieldLayer, Sampler};
+use tousle_lanes::Registers;
 
 /// A run that is prepared, whatever its mechanics and however many strands are side by side.
 pub(crate) trait Resident: Debug + Send + Sync {

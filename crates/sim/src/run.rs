@@ -3,7 +3,6 @@
 use crate::Precision;
 use crate::extent::{Extent, Region};
 use crate::frames::Places;
-use crate::lane::{Lane, Registers, WithLanes};
 use crate::mechanics::Mechanics;
 use crate::parts::Count;
 use crate::prepared::Prepared;
@@ -17,6 +16,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tousle_core::Progress;
 use tousle_field::{Reading, Sampler};
+use tousle_lanes::{Lane, Registers, WithLanes};
 
 /// Gets a frame, the strands of a batch, and their points in it without the roots, strand after strand.
 pub(crate) type PutFrame<'a> = dyn FnMut(usize, &[usize], &[[f32; 3]]) + Send + 'a;

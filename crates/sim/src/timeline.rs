@@ -1,10 +1,10 @@
-use crate::lane::{Lane, Matrix, Vector};
 use crate::options::n_frames;
 use crate::plan::Terms;
 use crate::{SimError, SimOptions, TimeMode, TorsoGrip};
 use core::ops::Range;
 use tousle_core::{Attachment, HeadMotion, Pose, PoseTrack, Vec3};
 use tousle_field::{FieldLayer, FieldSequence, Moment, Reading, Sampler, Scene};
+use tousle_lanes::{Lane, Matrix, Vector};
 use tousle_rod::Surface;
 
 /// When the frames are, into how many steps each is cut, and what the world does in each step.

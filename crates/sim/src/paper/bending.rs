@@ -1,5 +1,5 @@
 use super::{Batch, Work};
-use crate::lane::{Lane, Turn, Vector, angle_per_sine, series};
+use tousle_lanes::{Lane, Turn, Vector, angle_per_sine, series};
 use tousle_rod::{ANGLE_OVER_SINE, shortest_rotation, shortest_turn};
 
 impl<L: Lane> Batch<L> {

@@ -1,8 +1,8 @@
 use super::contact::Contacts;
 use super::{Batch, Motion, Stick, bending_bounds, inertias};
-use crate::lane::{Lane, Vector};
 use crate::prepared::Prepared;
 use tousle_core::Vec3;
+use tousle_lanes::{Lane, Vector};
 use tousle_rod::DragLaw;
 
 impl<L: Lane> Batch<L> {

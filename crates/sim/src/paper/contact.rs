@@ -1,9 +1,9 @@
 use super::{Motion, Stick, Work};
 use crate::gap::{Seen, gaps, room};
-use crate::lane::{Lane, Symmetric, Vector};
 use crate::prepared::Prepared;
 use crate::timeline::StepScene;
 use crate::touchable::{Touchable, reached};
+use tousle_lanes::{Lane, Symmetric, Vector};
 
 /// Ψ of E2: what the body does to the points it touches, found so that they stay outside.
 ///

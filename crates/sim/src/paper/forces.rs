@@ -1,10 +1,10 @@
 use super::{AirOnStick, Batch, Paper, Stick, Work};
-use crate::lane::{Lane, Symmetric, Vector, cos_and_sine};
 use crate::physical::STILL2;
 use crate::timeline::StepScene;
 use crate::wind::sample;
 use tousle_core::{HeadMotion, Quantity};
 use tousle_field::{Moment, SAMPLED_AT_ONCE};
+use tousle_lanes::{Lane, Symmetric, Vector, cos_and_sine};
 use tousle_rod::DragLaw;
 
 impl<L: Lane> Batch<L> {

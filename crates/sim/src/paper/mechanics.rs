@@ -2,7 +2,6 @@
 
 use super::{Batch, Paper, Work, stability};
 use crate::extent::Extent;
-use crate::lane::{Lane, Vector};
 use crate::mechanics::{Mechanics, Setting};
 use crate::parts::Count;
 use crate::prepared::Prepared;
@@ -12,6 +11,7 @@ use crate::touchable::touchable;
 use rayon::prelude::*;
 use tousle_core::{Pose, Strand, Vec3};
 use tousle_field::{Reading, Sampler, Scene};
+use tousle_lanes::{Lane, Vector};
 use tousle_rod::{Likely, Lock, Surface, Twist, rest_state};
 
 impl Mechanics for Paper {

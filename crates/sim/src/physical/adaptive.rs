@@ -5,10 +5,10 @@ use super::implicit::Formula;
 use super::link::Work;
 use super::scene::{Carry, at_end_of_step};
 use crate::SimOptions;
-use crate::lane::{Lane, Placing};
 use crate::timeline::Timeline;
 use tousle_core::Pose;
 use tousle_field::{Reading, Sampler};
+use tousle_lanes::{Lane, Placing};
 
 /// Where a strand's own clock stands.
 #[derive(Clone, Debug)]

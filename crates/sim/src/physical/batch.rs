@@ -2,8 +2,8 @@ use super::contact::Touchable;
 use super::link::{Link, State, Work};
 use super::scene::Now;
 use crate::extent::Extent;
-use crate::lane::{Lane, Turn, Vector};
 use crate::parts::Count;
+use tousle_lanes::{Lane, Turn, Vector};
 use tousle_rod::DragLaw;
 
 /// What all strands of a run share.

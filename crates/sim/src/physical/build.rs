@@ -2,11 +2,11 @@ use super::batch::Batch;
 use super::contact::{CONTACT_RATE, Touchable, limit_m};
 use super::link::{Link, State};
 use crate::gap::Seen;
-use crate::lane::{Lane, Turn, Vector};
 use crate::parts::Count;
 use crate::touchable::reached;
 use nalgebra::UnitQuaternion;
 use tousle_core::Vec3;
+use tousle_lanes::{Lane, Turn, Vector};
 use tousle_rod::{DragLaw, Lock, Rest, shortest_rotation, torque_to_load};
 
 /// A strand ready to be put into a batch.

@@ -2,8 +2,8 @@
 
 use super::batch::Model;
 use crate::gap::{Seen, TINY2, gaps, room};
-use crate::lane::{Lane, Placing, Symmetric, Vector};
 use tousle_core::{Pose, Vec3};
+use tousle_lanes::{Lane, Placing, Symmetric, Vector};
 use tousle_rod::Surface;
 
 /// A collider that strands of a batch can reach.
@@ -355,7 +355,7 @@ pub(super) fn limit_m(clearance_m: f64, bearing_n: f64, stiffness: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::F64x1;
+    use tousle_lanes::F64x1;
 
     #[test]
     fn a_depth_pushes_as_hard_as_it_was_made_for() {

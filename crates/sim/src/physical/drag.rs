@@ -1,5 +1,5 @@
 use super::link::Link;
-use crate::lane::{Lane, Symmetric, Vector};
+use tousle_lanes::{Lane, Symmetric, Vector};
 
 /// The air's push on a stick and its change with the wind.
 pub(super) struct Push<L> {

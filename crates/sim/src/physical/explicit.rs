@@ -9,8 +9,8 @@ use super::drag::push;
 use super::link::{Bending, Work};
 use super::newton::{FurtherOut, Outwards, bend_joint, place_sticks};
 use super::scene::Now;
-use crate::lane::{Lane, Symmetric, Turn, Vector};
 use tousle_core::Vec3;
+use tousle_lanes::{Lane, Symmetric, Turn, Vector};
 
 /// Where each stick points, and its angular velocity over the ground, head axes, rad/s.
 #[derive(Clone, Debug)]

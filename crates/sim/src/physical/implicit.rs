@@ -5,10 +5,10 @@ use super::contact::Touchable;
 use super::link::{State, Work};
 use super::newton::{Weights, sweep_outwards};
 use super::scene::{Carry, Now};
-use crate::lane::{Lane, Matrix, Placing, Turn, Vector};
 use crate::wind::sample;
 use tousle_core::{Pose, Vec3};
 use tousle_field::SAMPLED_AT_ONCE;
+use tousle_lanes::{Lane, Matrix, Placing, Turn, Vector};
 use tousle_rod::DragLaw;
 
 /// A formula that gives a rate at a step's end: rate = (value − now · value now − before · value a step ago) / h.

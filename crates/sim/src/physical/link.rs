@@ -1,5 +1,5 @@
 use super::contact::Bearing;
-use crate::lane::{Lane, Matrix, Symmetric, Turn, Vector};
+use tousle_lanes::{Lane, Matrix, Symmetric, Turn, Vector};
 
 /// A stick and the point at its far end: what never changes. One number a strand of the batch.
 #[derive(Clone, Copy, Debug)]

@@ -9,7 +9,6 @@ use super::link::Work;
 use super::scene::{Carry, Now, at_end_of_step};
 use super::stability;
 use crate::extent::Extent;
-use crate::lane::{Lane, Registers, Vector};
 use crate::mechanics::{Mechanics, Setting};
 use crate::parts::Count;
 use crate::stability::Limit;
@@ -19,6 +18,7 @@ use crate::{Integrator, Precision, SimOptions};
 use rayon::prelude::*;
 use tousle_core::{Assumption, Attachment, Groom, Pose, Quantity, Strand, Vec3};
 use tousle_field::{Reading, Sampler, Scene};
+use tousle_lanes::{Lane, Registers, Vector};
 use tousle_rod::{DragLaw, Lock, Natural, Style, Support, Surface, hold_rest, rest_state};
 
 /// What all strands of a run share, and how they are stepped.

@@ -11,7 +11,7 @@ use super::contact::Firmness;
 use super::drag::{Push, push};
 use super::link::{Bending, Link, Work};
 use super::scene::Now;
-use crate::lane::{Lane, Matrix, Shifted, Symmetric, Turn, Vector};
+use tousle_lanes::{Lane, Matrix, Shifted, Symmetric, Turn, Vector};
 
 /// How velocity hangs on place at a step's end: velocity = (place − from) / h.
 #[derive(Clone, Copy, Debug)]

@@ -2,10 +2,10 @@
 
 use super::build::{Prepared, build, contact_stiffness};
 use crate::Integrator;
-use crate::lane::{F64x1, Lane};
 use crate::mechanics::Setting;
 use crate::stability::{Limit, strongest_vector};
 use crate::timeline::Timeline;
+use tousle_lanes::{F64x1, Lane};
 use tousle_rod::DragLaw;
 
 /// The share of the limit that is left to what the power method and the rest shape do not see.

@@ -1,21 +1,26 @@
-use super::Lane;
+use crate::Lane;
 use core::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 use tousle_core::Vec3;
 
 /// A vector for each of some strands.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Vector<L> {
+pub struct Vector<L> {
+    /// Along x.
     pub x: L,
+    /// Along y.
     pub y: L,
+    /// Along z.
     pub z: L,
 }
 
 impl<L: Lane> Vector<L> {
+    /// Of its components.
     #[inline(always)]
     pub fn new(x: L, y: L, z: L) -> Self {
         Self { x, y, z }
     }
 
+    /// Zero.
     pub fn zero() -> Self {
         Self::none(L::zero())
     }
@@ -68,6 +73,7 @@ impl<L: Lane> Vector<L> {
     }
 
     /// The vector of one strand for each, as a function of its place.
+    #[inline(always)]
     pub fn from_fn(mut f: impl FnMut(usize) -> Vec3) -> Self {
         let mut v = Self::zero();
         for lane in 0..L::N {
@@ -76,11 +82,13 @@ impl<L: Lane> Vector<L> {
         v
     }
 
+    /// This · o.
     #[inline(always)]
     pub fn dot(self, o: Self) -> L {
         self.x.mul_add(o.x, self.y.mul_add(o.y, self.z * o.z))
     }
 
+    /// This × o.
     #[inline(always)]
     pub fn cross(self, o: Self) -> Self {
         Self::new(
@@ -118,6 +126,7 @@ impl<L: Lane> Vector<L> {
         Self::new(self.x.max(o.x), self.y.max(o.y), self.z.max(o.z))
     }
 
+    /// The square of the length.
     #[inline(always)]
     pub fn norm_squared(self) -> L {
         self.dot(self)
@@ -138,7 +147,7 @@ impl<L: Lane> Vector<L> {
 
 /// a b − c d.
 #[inline(always)]
-pub(super) fn minor<L: Lane>(a: L, b: L, c: L, d: L) -> L {
+pub(crate) fn minor<L: Lane>(a: L, b: L, c: L, d: L) -> L {
     a.mul_add(b, -(c * d))
 }
 

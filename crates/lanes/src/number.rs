@@ -1,12 +1,12 @@
 //! What differs between single and double precision.
 
 /// A number of one strand.
-pub(super) trait Number: Copy {
+pub(crate) trait Number: Copy {
     /// The bits of one.
     type Bits: Copy;
 
     /// The coefficients of two steps from a guess of x^(−½) to the root, and of two to x^(−1/6)
-    /// ([`super::functions::closer`]): enough to leave a few units in the last place, and 1e-13 or 1e-7 of the latter.
+    /// ([`crate::functions::closer`]): enough to leave a few units in the last place, and 1e-13 or 1e-7 of the latter.
     const TO_PER_SQRT: [&'static [f64]; 2];
     const TO_PER_SIXTH_ROOT: [&'static [f64]; 2];
 

@@ -3,9 +3,9 @@
 //! Each operation is one of the processor's, asked for through `pulp`'s witness that it is there: a compiler that is left
 //! to find vectors in arrays finds two thirds of them.
 
-use super::Lane;
-use super::functions::{per_sixth_root_from, per_sqrt_from};
-use super::number::Number;
+use crate::Lane;
+use crate::functions::{per_sixth_root_from, per_sqrt_from};
+use crate::number::Number;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use pulp::bytemuck::cast;
 use pulp::x86::{V3, V4};
@@ -58,6 +58,19 @@ macro_rules! elementwise {
     };
 }
 
+/// [`Lane::each_point`] of numbers in single precision, interleaved in their registers: in which order they come out is
+/// the registers' affair. Written out, as loops here would go through memory.
+macro_rules! each_point {
+    ($($lane:literal)*) => {
+        #[inline(always)]
+        fn each_point([x, y, z]: [Self; 3], mut say: impl FnMut(usize, [f32; 4])) {
+            let interleaved = x.simd.interleave_shfl_f32s([x, y, z, z].map(|component| component.numbers));
+            let mut points = cast::<_, [[f32; 4]; Self::N]>(interleaved).into_iter();
+            $(if let Some(point) = points.next() { say($lane, point); })*
+        }
+    };
+}
+
 /// Numbers of `$n` strands in a register: the names of what is done with it, and with its bits.
 macro_rules! wide {
     (
@@ -65,12 +78,12 @@ macro_rules! wide {
         [$splat:ident $add:ident $sub:ident $mul:ident $div:ident $neg:ident $mul_add:ident],
         [$max:ident $min:ident $select:ident $greater:ident $not:ident],
         [$splat_bits:ident $sub_bits:ident $shift_left:ident $shift_right:ident],
-        $of_single:expr, $to_single:expr
+        $of_single:expr, $to_single:expr $(, [$($lane:literal)*])?
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
         #[repr(align($align))]
-        pub(crate) struct $name {
+        pub struct $name {
             numbers: $numbers,
             simd: $simd,
         }
@@ -138,6 +151,8 @@ macro_rules! wide {
             fn to_single(self, numbers: &mut [f32]) {
                 numbers.copy_from_slice(&cast::<_, [f32; $n]>($to_single(self.simd, self.numbers)));
             }
+
+            $(each_point!($($lane)*);)?
 
             #[inline(always)]
             fn mul_add(self, by: Self, to: Self) -> Self {
@@ -228,7 +243,8 @@ wide!(
     [max_f32s min_f32s select_f32s greater_than_f32s not_m32s],
     [splat_u32s sub_u32s shl_const_u32x8 shr_const_u32x8],
     |_, single: f32x8| single,
-    |_, single: f32x8| single
+    |_, single: f32x8| single,
+    [0 4 1 5 2 6 3 7]
 );
 wide!(
     /// Sixteen strands in single precision: one register of 512 bits.
@@ -237,5 +253,6 @@ wide!(
     [max_f32s min_f32s select_f32s greater_than_f32s not_m32s],
     [splat_u32s sub_u32s shl_const_u32x16 shr_const_u32x16],
     |_, single: f32x16| single,
-    |_, single: f32x16| single
+    |_, single: f32x16| single,
+    [0 4 8 12 1 5 9 13 2 6 10 14 3 7 11 15]
 );

@@ -1,7 +1,7 @@
-//! Several numbers side by side: one for each of some strands that are stepped together.
+//! Several numbers side by side: one for each of some strands that are stepped together, or of some frames.
 //!
-//! Everything in the method `physical` is written over [`Lane`], so the same lines run for one strand at a time or for
-//! as many as fit the processor's registers. On x86 each operation is one of the processor's; elsewhere it is written out
+//! What is written over [`Lane`] runs for one strand at a time or for as many as fit the processor's registers, by the
+//! same lines: all of the simulator's steps, and the strands that follow guides. On x86 each operation is one of the processor's; elsewhere it is written out
 //! for every number of an array, and the compiler makes vectors of it. Where two are fused it is by [`Lane::mul_add`],
 //! which rounds once on every machine, with or without an instruction for it: so every machine gives the same bits.
 
@@ -39,23 +39,33 @@ use array::{F32x8, F64x4};
 #[cfg(target_arch = "x86_64")]
 use wide::{F32x8, F32x16, F64x4, F64x8};
 
-use array::F32x1;
-pub(crate) use array::F64x1;
-pub(crate) use functions::{angle_per_sine, cos_and_sine, cos_and_sine_share, fade, series, sine_to_quarter};
-pub(crate) use matrix::{Matrix, Placing, Shifted, Symmetric};
-pub(crate) use quaternion::Turn;
-pub(crate) use registers::{Registers, WithLanes};
-pub(crate) use vector::Vector;
+pub use array::F32x1;
+pub use array::F64x1;
+pub use functions::{angle_per_sine, cos_and_sine, cos_and_sine_share, fade, series, sine_to_quarter};
+pub use matrix::{Matrix, Placing, Shifted, Symmetric};
+pub use quaternion::Turn;
+pub use registers::{Registers, WithLanes};
+pub use vector::Vector;
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
-use pulp::NullaryFnOnce;
+pub use pulp::NullaryFnOnce;
 
-/// As many strands as are ever side by side.
-pub(crate) const MOST_LANES: usize = 16;
+/// How many digits are computed with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// Double.
+    #[default]
+    Double,
+    /// Single, in twice as many lanes.
+    Single,
+}
+
+/// As many numbers as are ever side by side.
+pub const MOST_LANES: usize = 16;
 
 /// Numbers of several strands, one a strand.
-pub(crate) trait Lane:
+pub trait Lane:
     Copy
     + Debug
     + Send
@@ -99,6 +109,15 @@ pub(crate) trait Lane:
 
     /// Sets the number of one strand.
     fn set(&mut self, lane: usize, value: f64);
+
+    /// Says the x, y and z of each place, in single precision and some order, in front of a number that means nothing: four are
+    /// written at once.
+    #[inline(always)]
+    fn each_point([x, y, z]: [Self; 3], mut say: impl FnMut(usize, [f32; 4])) {
+        for lane in 0..Self::N {
+            say(lane, [x, y, z, z].map(|component| component.get(lane) as f32));
+        }
+    }
 
     /// This times `by` plus `to`, rounded once.
     fn mul_add(self, by: Self, to: Self) -> Self;
@@ -179,7 +198,6 @@ pub(crate) trait Lane:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Precision;
 
     #[test]
     fn roots_are_roots() {
@@ -211,6 +229,31 @@ mod tests {
             }
             assert_eq!(x.largest(), (L::N - 1) as f64);
             assert_eq!((x / L::zero()).largest(), f64::INFINITY);
+        }
+    }
+
+    /// Three numbers of each place, said together.
+    struct Points;
+
+    impl WithLanes for Points {
+        type Output = ();
+
+        fn with<L: Lane>(self) {
+            let component = |axis: f64| L::from_fn(|lane| lane as f64 + 0.25 * axis);
+            let mut said = vec![0; L::N];
+            L::each_point([component(0.0), component(1.0), component(2.0)], |lane, [x, y, z, _]| {
+                assert_eq!([x, y, z], [0.0, 0.25, 0.5].map(|more| lane as f32 + more));
+                said[lane] += 1;
+            });
+            assert_eq!(said, vec![1; L::N]);
+        }
+    }
+
+    #[test]
+    fn each_point_is_said_once() {
+        for registers in Registers::here() {
+            registers.with_lanes(Precision::Double, Points);
+            registers.with_lanes(Precision::Single, Points);
         }
     }
 

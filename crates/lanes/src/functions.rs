@@ -1,11 +1,11 @@
 //! Transcendental functions where they are needed, by power series: the same on every machine.
 
-use super::Lane;
+use crate::Lane;
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Σ terms[k] xᵏ.
 #[inline(always)]
-pub(crate) fn series<L: Lane, const N: usize>(x: L, terms: [f64; N]) -> L {
+pub fn series<L: Lane, const N: usize>(x: L, terms: [f64; N]) -> L {
     let mut sum = x.same(terms[N - 1]);
     for k in (0..N - 1).rev() {
         sum = sum.mul_add(x, x.same(terms[k]));
@@ -25,7 +25,7 @@ fn closer<L: Lane>(root: L, rest: L, terms: &[f64]) -> L {
 
 /// [`Lane::per_sqrt`] from a guess, by as many steps as there are rows of terms.
 #[inline(always)]
-pub(super) fn per_sqrt_from<L: Lane>(x: L, mut root: L, steps: [&[f64]; 2]) -> L {
+pub(crate) fn per_sqrt_from<L: Lane>(x: L, mut root: L, steps: [&[f64]; 2]) -> L {
     for terms in steps {
         let rest = (-x * root).mul_add(root, x.same(1.0));
         root = closer(root, rest, terms);
@@ -35,7 +35,7 @@ pub(super) fn per_sqrt_from<L: Lane>(x: L, mut root: L, steps: [&[f64]; 2]) -> L
 
 /// [`Lane::per_sixth_root`] likewise.
 #[inline(always)]
-pub(super) fn per_sixth_root_from<L: Lane>(x: L, mut root: L, steps: [&[f64]; 2]) -> L {
+pub(crate) fn per_sixth_root_from<L: Lane>(x: L, mut root: L, steps: [&[f64]; 2]) -> L {
     for terms in steps {
         let cube = root * root * root;
         let rest = (-x * cube).mul_add(cube, x.same(1.0));
@@ -48,7 +48,7 @@ pub(super) fn per_sixth_root_from<L: Lane>(x: L, mut root: L, steps: [&[f64]; 2]
 ///
 /// With x = r − k ln 2, |r| ≤ ½ ln 2: the first term that is left out of the series for e^r − 1 is below 1e-16 of it.
 #[inline(always)]
-pub(crate) fn fade<L: Lane>(x: L) -> L {
+pub fn fade<L: Lane>(x: L) -> L {
     // Of an even longer fade nothing is left either.
     let down = -x.min(x.same(80.0));
     let k = (down * x.same(core::f64::consts::LOG2_E)).round();
@@ -77,19 +77,19 @@ const OVER_FACTORIALS: [f64; 14] = {
 
 /// sin x for 0 ≤ x ≤ π/4; the first term that is left out is below 1e-16 of it.
 #[inline(always)]
-pub(crate) fn sine_to_quarter<L: Lane>(x: L) -> L {
+pub fn sine_to_quarter<L: Lane>(x: L) -> L {
     x * series(x * x, SINE)
 }
 
 /// cos x and sin x / x from x² ≤ 1; the first terms that are left out are below 1e-16.
 #[inline(always)]
-pub(crate) fn cos_and_sine_share<L: Lane>(x2: L) -> (L, L) {
+pub fn cos_and_sine_share<L: Lane>(x2: L) -> (L, L) {
     (series(x2, COSINE), series(x2, SINE))
 }
 
 /// cos x and sin x.
 #[inline(always)]
-pub(crate) fn cos_and_sine<L: Lane>(x: L) -> (L, L) {
+pub fn cos_and_sine<L: Lane>(x: L) -> (L, L) {
     let (x2, one) = (x * x, x.same(1.0));
     let (mut cos, share) = cos_and_sine_share(x2.min(one));
     let mut sin = x * share;
@@ -106,7 +106,7 @@ pub(crate) fn cos_and_sine<L: Lane>(x: L) -> (L, L) {
 /// An angle over its sine, from the sine's square and the cosine, for angles that are neither next to nothing nor next to
 /// half a turn; to a few units in the last place.
 #[inline(always)]
-pub(crate) fn angle_per_sine<L: Lane>(sin2: L, cos: L) -> L {
+pub fn angle_per_sine<L: Lane>(sin2: L, cos: L) -> L {
     let (half, two) = (cos.same(0.5), cos.same(2.0));
     let least = cos.max(-cos);
     // Up to a third of a right angle by its own sine: from a right angle down, or the half of what is farther from it.
@@ -147,7 +147,7 @@ const fn alternating<const N: usize>(first: usize) -> [f64; N] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::F64x1;
+    use crate::F64x1;
 
     #[test]
     fn functions_are_those_of_the_library() {

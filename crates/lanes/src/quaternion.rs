@@ -1,16 +1,25 @@
-use super::{Lane, Vector};
+use crate::{F64x1, Lane, Matrix, Vector};
 
 /// A rotation for each of some strands, as a unit quaternion w + v.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Turn<L> {
+pub struct Turn<L> {
+    /// The real part.
     pub w: L,
+    /// The imaginary part.
     pub v: Vector<L>,
 }
 
 impl<L: Lane> Turn<L> {
+    /// No turn.
     #[inline(always)]
     pub fn identity(like: L) -> Self {
         Self { w: like.same(1.0), v: Vector::none(like) }
+    }
+
+    /// The same turn for all, beside a number that there is.
+    #[inline(always)]
+    pub fn same(like: L, turn: &Turn<F64x1>) -> Self {
+        Self { w: like.same(turn.w.get(0)), v: Vector::same(like, turn.v.get(0)) }
     }
 
     /// This after another.
@@ -22,15 +31,30 @@ impl<L: Lane> Turn<L> {
         }
     }
 
+    /// The turn back.
     #[inline(always)]
     pub fn inverse(self) -> Self {
         Self { w: self.w, v: -self.v }
     }
 
+    /// Where a vector goes.
     #[inline(always)]
     pub fn rotate(self, a: Vector<L>) -> Vector<L> {
         let t = self.v.cross(a) * self.w.same(2.0);
         t.mul_add(self.w, a) + self.v.cross(t)
+    }
+
+    /// Its matrix, less the identity: in single precision 1 itself would leave nothing of small turns.
+    #[inline(always)]
+    pub fn less_identity(self) -> Matrix<L> {
+        let Vector { x, y, z } = self.v * self.w.same(2.0);
+        let [xx, yy, zz] = [x * self.v.x, y * self.v.y, z * self.v.z];
+        let (w, of_x, of_y) = (self.w, self.v.x, self.v.y);
+        Matrix {
+            x: Vector::new(-(yy + zz), y.mul_add(of_x, -(z * w)), z.mul_add(of_x, y * w)),
+            y: Vector::new(y.mul_add(of_x, z * w), -(xx + zz), z.mul_add(of_y, -(x * w))),
+            z: Vector::new(z.mul_add(of_x, -(y * w)), z.mul_add(of_y, x * w), -(xx + yy)),
+        }
     }
 
     /// Where the x axis goes.
@@ -51,6 +75,7 @@ impl<L: Lane> Turn<L> {
         Self { w: of.above(bound, self.w, no.w), v: Vector::where_above(of, bound, self.v, no.v) }
     }
 
+    /// This over its length.
     #[inline(always)]
     pub fn normalized(self) -> Self {
         let per_norm = self.w.mul_add(self.w, self.v.norm_squared()).per_sqrt();
@@ -77,5 +102,21 @@ impl<L: Lane> Turn<L> {
         let one = self.w.same(1.0);
         let sign = self.w.above(self.w.same(0.0), one, -one);
         (sign, self.w.mul_add(sign, one))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tousle_core::Vec3;
+
+    #[test]
+    fn a_matrix_less_the_identity_is_how_far_vectors_move() {
+        let v = Vec3::new(0.3, -0.5, 0.2);
+        let turn = Turn { w: F64x1::splat((1.0 - v.norm_squared()).sqrt()), v: Vector::splat(v) };
+        for axis in [Vec3::x(), Vec3::y(), Vec3::z()] {
+            let moved = turn.less_identity().mul_vector(Vector::splat(axis)).get(0);
+            assert!((moved + axis - turn.rotate(Vector::splat(axis)).get(0)).norm() < 1e-15);
+        }
     }
 }

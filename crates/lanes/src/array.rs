@@ -1,7 +1,7 @@
-use super::Lane;
-use super::functions::{per_sixth_root_from, per_sqrt_from};
-use super::number::Number;
-use super::registers::{on_any, on_scalars};
+use crate::Lane;
+use crate::functions::{per_sixth_root_from, per_sqrt_from};
+use crate::number::Number;
+use crate::registers::{on_any, on_scalars};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use pulp::NullaryFnOnce;
 
@@ -26,7 +26,7 @@ macro_rules! lane {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[repr(align($align))]
-        pub(crate) struct $name([$t; $n]);
+        pub struct $name([$t; $n]);
 
         elementwise!($name, $indices, Add, add, +);
         elementwise!($name, $indices, Sub, sub, -);

@@ -1,24 +1,33 @@
-use super::vector::minor;
-use super::{Lane, Vector};
+use crate::vector::minor;
+use crate::{Lane, Vector};
 use nalgebra::Matrix3;
 use tousle_core::{Pose, Vec3};
 
 /// A symmetric 3 × 3 matrix for each of some strands.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Symmetric<L> {
+pub struct Symmetric<L> {
+    /// Row x, column x.
     pub xx: L,
+    /// Row x, column y.
     pub xy: L,
+    /// Row x, column z.
     pub xz: L,
+    /// Row y, column y.
     pub yy: L,
+    /// Row y, column z.
     pub yz: L,
+    /// Row z, column z.
     pub zz: L,
 }
 
 /// A 3 × 3 matrix for each of some strands, by rows.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Matrix<L> {
+pub struct Matrix<L> {
+    /// The first row.
     pub x: Vector<L>,
+    /// The second row.
     pub y: Vector<L>,
+    /// The third row.
     pub z: Vector<L>,
 }
 
@@ -26,7 +35,7 @@ pub(crate) struct Matrix<L> {
 /// (Q + s)⁻¹ = (part + inner) / det and (Q + s)⁻¹ Q = (outer − s part) / det. The latter is as exact for an s far above Q,
 /// where 1 − s (Q + s)⁻¹ would take like from like.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shifted<L> {
+pub struct Shifted<L> {
     /// adj Q − s Q.
     pub part: Symmetric<L>,
     /// s (tr Q + s).
@@ -38,6 +47,7 @@ pub(crate) struct Shifted<L> {
 }
 
 impl<L: Lane> Symmetric<L> {
+    /// Zero.
     pub fn zero() -> Self {
         Self::none(L::zero())
     }
@@ -48,12 +58,14 @@ impl<L: Lane> Symmetric<L> {
         Self::scaled_identity(like.same(0.0))
     }
 
+    /// s times the identity.
     #[inline(always)]
     pub fn scaled_identity(s: L) -> Self {
         let o = s.same(0.0);
         Self { xx: s, xy: o, xz: o, yy: s, yz: o, zz: s }
     }
 
+    /// Adds s times the identity.
     #[inline(always)]
     pub fn add_identity(&mut self, s: L) {
         self.xx += s;
@@ -95,6 +107,7 @@ impl<L: Lane> Symmetric<L> {
         self.zz = o.zz.mul_add(s, self.zz);
     }
 
+    /// This times a vector.
     #[inline(always)]
     pub fn mul_vector(&self, v: Vector<L>) -> Vector<L> {
         Vector::new(
@@ -114,6 +127,7 @@ impl<L: Lane> Symmetric<L> {
         )
     }
 
+    /// This times a number.
     #[inline(always)]
     pub fn scale(&self, s: L) -> Self {
         Self {
@@ -178,6 +192,7 @@ impl<L: Lane> Symmetric<L> {
         }
     }
 
+    /// All nine numbers of it.
     #[inline(always)]
     pub fn to_matrix(self) -> Matrix<L> {
         Matrix {
@@ -189,6 +204,7 @@ impl<L: Lane> Symmetric<L> {
 }
 
 impl<L: Lane> Matrix<L> {
+    /// Zero.
     pub fn zero() -> Self {
         Self::none(L::zero())
     }
@@ -256,8 +272,10 @@ impl<L: Lane> Matrix<L> {
 
 /// The same pose for all strands.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placing<L> {
+pub struct Placing<L> {
+    /// The rotation, before the shift.
     pub turn: Matrix<L>,
+    /// The shift.
     pub shift: Vector<L>,
 }
 
@@ -306,7 +324,7 @@ fn less<L: Lane>(from: L, a: Vector<L>, b: Vector<L>) -> L {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::F64x1;
+    use crate::F64x1;
 
     fn lanes(m: &Matrix3<f64>) -> Matrix<F64x1> {
         let row = |r: usize| Vector::splat(Vec3::new(m[(r, 0)], m[(r, 1)], m[(r, 2)]));
