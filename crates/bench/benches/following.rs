@@ -5,8 +5,8 @@
 //! The strands, the body and the gusts of `stepping`, every twentieth strand a guide; 60 steps and frames a second, single
 //! precision. An item is one point in one frame.
 
+use divan::Bencher;
 use divan::counter::ItemsCount;
-use divan::{Bencher, black_box};
 use std::sync::LazyLock;
 use tousle_bench::worlds::{gusts, mannequin, wig};
 use tousle_core::{Groom, NoProgress, Pose, StrandMotion};
@@ -22,7 +22,7 @@ fn main() {
 const N_POINTS: usize = 16;
 const STRANDS_PER_GUIDE: usize = 20;
 const RATE_HZ: f64 = 60.0;
-const N_FRAMES: usize = 32;
+const N_FRAMES: usize = 120;
 static WIND: LazyLock<FieldSequence> = LazyLock::new(gusts);
 
 const RUNS: [Run; 4] = [
@@ -70,7 +70,11 @@ fn blown(groom: &Groom) -> StrandMotion {
     simulate(&WIND, &mannequin(), groom, &options, &NoProgress).expect("a sound world").motion
 }
 
-fn measure(bencher: Bencher<'_, '_>, run: Run, mut work: impl FnMut() + Send) {
+/// Times what `work` makes; that it is thrown away is not timed.
+fn measure<T>(bencher: Bencher<'_, '_>, run: Run, mut work: impl FnMut() -> T + Send)
+where
+    T: Send,
+{
     let pool = rayon::ThreadPoolBuilder::new().num_threads(run.threads).build().expect("a pool");
     let items = (run.strands * N_POINTS * N_FRAMES) as u64;
     bencher.counter(ItemsCount::new(items)).bench_local(|| pool.install(&mut work));
@@ -80,20 +84,35 @@ fn measure(bencher: Bencher<'_, '_>, run: Run, mut work: impl FnMut() + Send) {
 #[divan::bench(args = RUNS, max_time = 4, min_time = 1)]
 fn follow(bencher: Bencher<'_, '_>, run: Run) {
     let Led { groom, guides, motion } = led(run);
-    measure(bencher, run, || {
-        black_box(tousle_guide::follow(&groom, &guides, &motion, &NoProgress).expect("a motion"));
-    });
+    measure(bencher, run, || followed(&groom, &guides, &motion));
+}
+
+fn followed(groom: &Groom, guides: &Guides, motion: &StrandMotion) -> StrandMotion {
+    tousle_guide::follow(groom, guides, motion, &NoProgress).expect("a motion")
 }
 
 /// What follows kept out of head, neck and shoulders.
 #[divan::bench(args = RUNS, max_time = 4, min_time = 1)]
 fn keep_out(bencher: Bencher<'_, '_>, run: Run) {
     let Led { groom, guides, motion } = led(run);
-    let mut all = tousle_guide::follow(&groom, &guides, &motion, &NoProgress).expect("a motion");
+    let mut all = followed(&groom, &guides, &motion);
+    measure(bencher, run, || kept_out(&groom, &guides, &mut all));
+}
+
+fn kept_out(groom: &Groom, guides: &Guides, motion: &mut StrandMotion) -> u64 {
     let at_rest = Surface::of_body(&mannequin().body, &Pose::identity());
     let at_times = vec![at_rest.clone(); N_FRAMES];
+    tousle_guide::keep_out(groom, guides, motion, &at_rest, &at_times)
+}
+
+/// All of it for guides that are chosen: they are simulated, followed, and what follows is kept out.
+#[divan::bench(args = RUNS, max_time = 8, min_time = 1)]
+fn whole(bencher: Bencher<'_, '_>, run: Run) {
+    let Led { groom, guides, .. } = led(run);
     measure(bencher, run, || {
-        black_box(tousle_guide::keep_out(&groom, &guides, &mut all, &at_rest, &at_times));
+        let mut all = followed(&groom, &guides, &blown(&guides.groom(&groom)));
+        kept_out(&groom, &guides, &mut all);
+        all
     });
 }
 

@@ -44,6 +44,17 @@ pub fn follow(
     progress: &dyn Progress,
 ) -> Result<StrandMotion, GuideError> {
     check(groom, guides, motion)?;
+    Ok(follow_in(Registers::widest(), groom, guides, motion, progress))
+}
+
+/// [`follow`] of what belongs together, in some registers.
+fn follow_in(
+    registers: Registers,
+    groom: &Groom,
+    guides: &Guides,
+    motion: &StrandMotion,
+    progress: &dyn Progress,
+) -> StrandMotion {
     let counts = groom.counts();
     let n_points: usize = counts.iter().sum();
     let n_frames = motion.times_secs.len();
@@ -55,7 +66,6 @@ pub fn follow(
         .map(|(s, f)| leaders.prepare(&s.rest_curve_m, f))
         .collect();
     let mut positions_m = vec![[0.0; 3]; n_frames * n_points];
-    let registers = Registers::widest();
     registers.with_lanes(
         Precision::Single,
         Following {
@@ -68,7 +78,7 @@ pub fn follow(
             progress,
         },
     );
-    Ok(StrandMotion { counts, times_secs: motion.times_secs.clone(), positions_m })
+    StrandMotion { counts, times_secs: motion.times_secs.clone(), positions_m }
 }
 
 /// All frames, as many at once as there are lanes.
@@ -268,4 +278,37 @@ pub(crate) fn single(point: Vec3) -> [f32; 3] {
 
 pub(crate) fn double(point: [f32; 3]) -> Vec3 {
     point.map(f64::from).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tousle_bench::worlds::wig;
+    use tousle_core::NoProgress;
+
+    /// A frame does not know how many are worked out beside it, nor in which registers; also where strands have other points
+    /// than their guides.
+    #[test]
+    fn strands_follow_the_same_in_all_registers() {
+        let mut groom = wig(60, 7);
+        groom.strands.iter_mut().step_by(3).for_each(|s| s.rest_curve_m.truncate(5));
+        let guides = crate::choose(&groom, 8).unwrap();
+        let rest = guides.groom(&groom);
+        let swung = |frame: usize| {
+            let sway = move |along: usize| 0.3 * libm::sin(0.7 * frame as f64 + 0.2 * along as f64);
+            let place =
+                move |(k, p): (usize, &Vec3)| single(p + Vec3::new(sway(k), 0.0, 0.5 * sway(k + 3)) * p.z);
+            rest.strands.iter().flat_map(move |s| s.rest_curve_m.iter().enumerate().map(place))
+        };
+        let n_frames = 19;
+        let motion = StrandMotion {
+            counts: rest.counts(),
+            times_secs: (0..n_frames).map(|frame| frame as f64 / 60.0).collect(),
+            positions_m: (0..n_frames).flat_map(swung).collect(),
+        };
+        let here = Registers::here();
+        let followed = |registers: &Registers| follow_in(*registers, &groom, &guides, &motion, &NoProgress);
+        let positions: Vec<_> = here.iter().map(|registers| followed(registers).positions_m).collect();
+        assert!(positions.iter().all(|p| *p == positions[0]), "{here:?}");
+    }
 }

@@ -30,9 +30,10 @@ pub(crate) enum Listening {
 pub(crate) struct Stick {
     /// From its near end to the other at rest, m.
     rest_m: [f32; 3],
-    /// Its length and the square of that, m and m², as [`turn`] has them: what is at rest is as long as at rest, to the bit.
-    length_m: f32,
+    /// The square of its length, m², as [`turn`] has it: what is at rest is as long as at rest, to the bit.
     length2_m2: f32,
+    /// One over that; 0 for a stick without length, which has no direction to turn.
+    per_length2: f32,
     /// Its far end at rest, m.
     end_m: [f32; 3],
 }
@@ -45,13 +46,16 @@ pub(crate) struct Heard {
     pub(crate) weight: f32,
 }
 
+/// The square of a length that is none, m².
+const NO_LENGTH2: f64 = 1e-24;
+
 impl Stick {
     /// A stick from its near end to its far end at rest, m.
     pub(crate) fn new(near: Vec3, far: Vec3) -> Self {
         let [rest_m, end_m] = [far - near, far].map(single);
-        let length2 = vector(F32x1::zero(), rest_m).norm_squared();
-        let [length_m, length2_m2] = [length2.sqrt(), length2].map(|l| l.get(0) as f32);
-        Self { rest_m, length_m, length2_m2, end_m }
+        let length2 = vector(F32x1::zero(), rest_m).norm_squared().get(0);
+        let per_length2 = if length2 > NO_LENGTH2 { 1.0 / length2 } else { 0.0 };
+        Self { rest_m, length2_m2: length2 as f32, per_length2: per_length2 as f32, end_m }
     }
 }
 
@@ -148,13 +152,10 @@ fn turn<L: Lane>(stick: &Stick, heard: &[Heard], turned: &[Matrix<L>]) -> Vector
     }
     let rest = vector(like, stick.rest_m);
     let mean = sum.mul_vector_add(rest, rest);
-    let norm2 = mean.norm_squared();
-    let [length, length2] = [stick.length_m, stick.length2_m2].map(|l| like.same(f64::from(l)));
-    // The mean times its length at rest over that it has: 1 to the bit where the two are the same.
-    let per_norm = norm2.per_sqrt();
-    let more = (length2 - norm2) * per_norm * per_norm / length.mul_add(per_norm, like.same(1.0));
-    // Weights see to it that what guides say never cancels; a stick without length has no direction to turn.
-    Vector::where_above(norm2, length2 * like.same(1e-12), mean.mul_add(more, mean), rest)
+    // Weights see to it that what guides say never cancels. 1 to the bit where the mean is as long as at rest.
+    let [length2, per_length2] = [stick.length2_m2, stick.per_length2].map(|l| like.same(f64::from(l)));
+    let share2 = (mean.norm_squared() - length2).mul_add(per_length2, like.same(1.0));
+    mean * share2.per_sqrt()
 }
 
 #[inline(always)]

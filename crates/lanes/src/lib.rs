@@ -123,7 +123,7 @@ pub trait Lane:
     fn mul_add(self, by: Self, to: Self) -> Self;
 
     /// One over the square root of numbers that are not negative, to a few units in the last place; of 0 something
-    /// large. Without a division or a root, which processors make one at a time.
+    /// large; of 1 exactly 1. Without a division or a root, which processors make one at a time.
     fn per_sqrt(self) -> Self;
 
     /// One over the sixth root of numbers from 1e-24 to 1e20, to a digit or two less than the type holds.
@@ -211,6 +211,7 @@ mod tests {
             close(F32x1::splat(x).per_sqrt().get(0), square, 2e-7);
             close(F32x1::splat(x).per_sixth_root().get(0), sixth, 3e-7);
         }
+        assert_eq!((F64x1::one().per_sqrt(), F32x1::one().per_sqrt()), (F64x1::one(), F32x1::one()));
         assert_eq!((F64x1::zero().sqrt().get(0), F32x1::zero().sqrt().get(0)), (0.0, 0.0));
         assert!(F64x1::splat(f64::NAN).sqrt().get(0).is_nan());
     }
