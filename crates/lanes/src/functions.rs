@@ -3,7 +3,7 @@
 use crate::Lane;
 use core::f64::consts::{FRAC_PI_2, PI};
 
-/// Σ terms[k] xᵏ.
+/// Σ `terms[k]` xᵏ.
 #[inline(always)]
 pub fn series<L: Lane, const N: usize>(x: L, terms: [f64; N]) -> L {
     let mut sum = x.same(terms[N - 1]);
