@@ -71,10 +71,7 @@ fn blown(groom: &Groom) -> StrandMotion {
 }
 
 /// Times what `work` makes; that it is thrown away is not timed.
-fn measure<T>(bencher: Bencher<'_, '_>, run: Run, mut work: impl FnMut() -> T + Send)
-where
-    T: Send,
-{
+fn measure<T: Send>(bencher: Bencher<'_, '_>, run: Run, mut work: impl FnMut() -> T + Send) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(run.threads).build().expect("a pool");
     let items = (run.strands * N_POINTS * N_FRAMES) as u64;
     bencher.counter(ItemsCount::new(items)).bench_local(|| pool.install(&mut work));

@@ -81,7 +81,6 @@ mod tests {
     use tousle_core::{Pose, Shape, Vec3};
     use tousle_lanes::{Precision, Registers, WithLanes};
 
-    /// What the surface says is in, is in; what is in and is not, is so by less than a tenth of a millimeter.
     struct Check;
 
     impl WithLanes for Check {
@@ -92,6 +91,7 @@ mod tests {
         }
     }
 
+    /// What the surface says is in, is in; what is in and is not, is so by less than a tenth of a millimeter.
     #[test]
     fn an_outline_holds_what_its_surface_holds() {
         Registers::here().into_iter().for_each(|registers| registers.with_lanes(Precision::Single, Check));
