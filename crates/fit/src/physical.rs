@@ -39,7 +39,8 @@ pub struct PhysicalOptions {
     pub cutoff_hz: f64,
     /// The most swirl modes.
     pub max_modes: usize,
-    /// Half the way over which a swirl turns round, m > 0: swirls near a head are some 10 to 20 cm across.
+    /// Half the way over which a swirl of middling size turns round, m > 0 ([`tousle_flow::SwirlKernel`]): swirls near a head are some
+    /// 10 to 20 cm across.
     pub swirl_length_m: f64,
     /// Error of a joint's bend, rad: what a spline between markers cannot see (curls of a few millimeters), and twist. If it
     /// rises, less is told by the outer ends of locks, whose weight is small beside their stiffness.
@@ -60,7 +61,7 @@ impl Default for PhysicalOptions {
     fn default() -> Self {
         Self {
             cutoff_hz: 12.0,
-            max_modes: 60,
+            max_modes: 100,
             swirl_length_m: 0.14,
             bend_error_rad: 0.08,
             errors_last_secs: 0.1,

@@ -262,7 +262,7 @@ mod tests {
     fn it_is_the_same_air_at_other_steps_and_in_other_modes() {
         // On nodes of the lattice, where modes are exact, and far enough apart for each to be told of.
         let points: Vec<Vec3> = (0..8).map(|k| Vec3::new(0.12, 0.084 * f64::from(k), -0.1)).collect();
-        let kernel = SwirlKernel { length_m: 0.06 };
+        let kernel = SwirlKernel { length_m: 0.06 * std::f64::consts::SQRT_2 };
         let modes = SwirlModes::near(&points, kernel, 40, 0.042);
         let n = modes.n_modes();
         let state = |k: f64| AirState {

@@ -6,20 +6,31 @@ use tousle_core::{Pose, Vec3};
 ///
 /// K(r) = (r rᵀ/ℓ² + (2 − r²/ℓ²) I) exp(−r²/2ℓ²) / 2, of variance 1 a component: the curl of the curl of a bell
 /// (Narcowich and Ward, "Generalized Hermite interpolation via matrix-valued conditionally positive definite
-/// functions", 1994). Its flow has no divergence, whatever is measured of it.
+/// functions", 1994). Its flow has no divergence, whatever is measured of it. Swirls are of no one size: it is a sum of two such,
+/// an octave apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SwirlKernel {
-    /// ℓ, m: half the way over which a swirl turns round.
+    /// The geometric mean of both ℓ, m: half the way over which a swirl turns round.
     pub length_m: f64,
 }
+
+/// Sizes of swirls over [`SwirlKernel::length_m`], and their shares of the variance, which grow with the size's power of ⅔
+/// (Kolmogorov, "The local structure of turbulence in incompressible viscous fluid for very large Reynolds numbers",
+/// 1941): 2^∓½, and 2^∓⅓ over their sum.
+const SIZES: [(f64, f64); 2] =
+    [(SMALLEST, 0.386_488_209_564_309_4), (std::f64::consts::SQRT_2, 0.613_511_790_435_690_6)];
+const SMALLEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 impl SwirlKernel {
     /// The covariance of the velocities at two points that are `apart_m` apart.
     pub fn at(&self, apart_m: Vec3) -> Matrix3<f64> {
-        let r = apart_m / self.length_m;
-        let r2 = r.norm_squared();
-        let bell = 0.5 * libm::exp(-0.5 * r2);
-        Matrix3::from_fn(|i, j| bell * (r[i] * r[j] + if i == j { 2.0 - r2 } else { 0.0 }))
+        let of_size = |(size, share): (f64, f64)| {
+            let r = apart_m / (size * self.length_m);
+            let r2 = r.norm_squared();
+            let bell = 0.5 * share * libm::exp(-0.5 * r2);
+            Matrix3::from_fn(|i, j| bell * (r[i] * r[j] + if i == j { 2.0 - r2 } else { 0.0 }))
+        };
+        SIZES.into_iter().map(of_size).sum()
     }
 }
 
@@ -80,14 +91,14 @@ struct Lattice {
 /// Share of the variance that may be left out at every point.
 const LEFT_OUT: f64 = 0.03;
 
-/// Edge of the lattice over the kernel's length: at half of it, reading between nodes is off by some 3 % of a swirl.
+/// Edge of the lattice over the kernel's lesser length: at half of it, reading between nodes is off by some 3 % of a swirl.
 const LATTICE_SHARE: f64 = 0.35;
 
 impl SwirlModes {
     /// Modes for the neighborhood of some points, at most `max_modes`, readable within `reach_m` of the points' box.
     pub fn near(points_m: &[Vec3], kernel: SwirlKernel, max_modes: usize, reach_m: f64) -> Self {
         let (pivots, factor) = pivots(points_m, kernel, max_modes);
-        let edge_m = LATTICE_SHARE * kernel.length_m;
+        let edge_m = LATTICE_SHARE * SMALLEST * kernel.length_m;
         let lattice = Lattice::around(points_m, reach_m, edge_m);
         let mut modes = Self { kernel, pivots, factor, lattice, values: Vec::new() };
         let n_nodes: usize = modes.lattice.dims.iter().product();
