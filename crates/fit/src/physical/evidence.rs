@@ -5,7 +5,7 @@ use super::lock::SeenLock;
 use super::moments::{Balance, DragSlope, Imbalance};
 use super::noise;
 use super::triangle::Triangle;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixViewMut, DVector};
 use tousle_core::{STANDARD_GRAVITY, Vec3};
 use tousle_flow::{AirFlow, Stream, StreamAt, StreamNow};
 use tousle_rod::Surface;
@@ -74,8 +74,6 @@ pub(crate) struct Evidence {
     pub(crate) by_wind: DMatrix<f64>,
     /// Its change with the lock's constants.
     pub(crate) by_constants: DMatrix<f64>,
-    /// The change of that wind with the state of the air.
-    pub(crate) winds_by_state: DMatrix<f64>,
     /// How much it counts: 1, or less for an outlier.
     pub(crate) weight: f64,
     /// Points at which the body pushes.
@@ -84,7 +82,8 @@ pub(crate) struct Evidence {
 
 impl Station {
     /// What the lock says if the air is about as in `air`, whose stream at the lock's step is `now`; `None` if it can say nothing (a number is not finite).
-    /// `friction` is the body's.
+    /// `friction` is the body's. How the wind at its places changes with the state of the air is written to `winds_by_state`, a column
+    /// for each number of each.
     pub(crate) fn evidence(
         &self,
         balance: &Balance<'_>,
@@ -92,8 +91,9 @@ impl Station {
         now: &StreamNow,
         slope: DragSlope,
         friction: f64,
+        winds_by_state: DMatrixViewMut<'_, f64>,
     ) -> Option<Evidence> {
-        let (out, winds_by_state) = self.imbalance(balance, air, now, slope);
+        let out = self.imbalance(balance, air, now, slope, winds_by_state);
         let lower = self.lower.as_ref()?;
         let (weight_n, n_winds) = (weight_n(balance.seen), out.by_wind.ncols());
         let mut white = lower.solve(&beside(&out.moments, &out.by_wind, &out.by_constants));
@@ -110,7 +110,6 @@ impl Station {
             moments,
             by_wind: white.columns_range(1..=n_winds).into_owned(),
             by_constants: white.columns_range(n_winds + 1..).into_owned(),
-            winds_by_state,
             weight,
             n_pushing,
         })
@@ -124,44 +123,50 @@ impl Station {
         air: &AirFlow,
         now: &StreamNow,
     ) -> Option<DVector<f64>> {
-        let (out, _) = self.imbalance(balance, air, now, DragSlope::Tangent);
+        let mut unasked = DMatrix::zeros(air.states[balance.step].values.len(), 3 * self.points_m.len());
+        let out = self.imbalance(balance, air, now, DragSlope::Tangent, unasked.as_view_mut());
         let lower = self.lower.as_ref()?;
         let white = lower.solve_column(&out.moments);
         Some(lower.times(&contact::less_pushes(&white, &self.of_pushes, weight_n(balance.seen))))
     }
 
-    /// The imbalance in the air, and the change of the wind at its places with that.
+    /// The imbalance in the air. The change of the wind at its places with that is written to `winds_by_state`.
     fn imbalance(
         &self,
         balance: &Balance<'_>,
         air: &AirFlow,
         now: &StreamNow,
         slope: DragSlope,
-    ) -> (Imbalance, DMatrix<f64>) {
+        winds_by_state: DMatrixViewMut<'_, f64>,
+    ) -> Imbalance {
         let seen = balance.seen;
-        let (winds, by_state) = self.winds(air, now, balance.step);
+        let winds = self.winds(air, now, balance.step, winds_by_state);
         let at_middles: Vec<Vec3> = (0..seen.lock.n_sticks())
             .map(|stick| {
                 let shares = seen.wind_share(seen.lock.arcs_m[stick] - 0.5 * seen.lock.lengths_m[stick]);
                 shares.iter().map(|(place, share)| winds[*place] * *share).sum()
             })
             .collect();
-        (balance.imbalance(&at_middles, slope), by_state)
+        balance.imbalance(&at_middles, slope)
     }
 
-    /// The wind at the places, and its change with the state: three rows a place.
-    fn winds(&self, air: &AirFlow, now: &StreamNow, step: usize) -> (Vec<Vec3>, DMatrix<f64>) {
-        let n = air.states[step].values.len();
-        let mut winds = Vec::with_capacity(self.points_m.len());
-        let mut by_state = DMatrix::zeros(3 * self.points_m.len(), n);
-        for (p, (point_m, stream)) in self.points_m.iter().zip(&self.streams).enumerate() {
+    /// The wind at the places. Its change with the state is written to `by_state`: three columns a place.
+    fn winds(
+        &self,
+        air: &AirFlow,
+        now: &StreamNow,
+        step: usize,
+        mut by_state: DMatrixViewMut<'_, f64>,
+    ) -> Vec<Vec3> {
+        let n = by_state.nrows();
+        let wind = |(p, (point_m, stream)): (usize, (&Vec3, &StreamAt))| {
             let wind = air.wind_at(stream, step, now, *point_m);
-            for (j, mut column) in by_state.column_iter_mut().enumerate() {
-                (0..3).for_each(|axis| column[3 * p + axis] = wind.change[axis * n + j]);
+            for axis in 0..3 {
+                by_state.column_mut(3 * p + axis).copy_from_slice(&wind.change[axis * n..(axis + 1) * n]);
             }
-            winds.push(wind.velocity);
-        }
-        (winds, by_state)
+            wind.velocity
+        };
+        self.points_m.iter().zip(&self.streams).enumerate().map(wind).collect()
     }
 }
 

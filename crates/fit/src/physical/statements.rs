@@ -2,11 +2,14 @@
 
 use super::PhysicalOptions;
 use super::constants::{ConstantsAt, N_CONSTANTS};
+use super::evidence::Evidence;
+use super::lock::SeenLock;
 use super::moments::DragSlope;
 use super::noise::counted_as_one;
 use super::smoother::Said;
 use super::solve::{Problem, Surroundings};
 use super::triangle::Triangle;
+use core::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use tousle_flow::AirFlow;
@@ -90,18 +93,46 @@ impl Counts {
 }
 
 /// What all locks say at a step, one statement below the other.
+///
+/// A lock's statements hang on the state by way of the wind at its places, which are fewer than they: so locks are summed up by
+/// place, not by statement.
 struct Statements {
     /// By lock; `None` if it says nothing.
     locks: Vec<Option<LockSaid>>,
-    /// How many statements each lock makes.
-    n_rows: Vec<usize>,
+    /// Where each lock's statements and winds stand.
+    spans: Vec<Span>,
     /// How much each lock counts: 1, or less for an outlier.
     weights: Vec<f64>,
+    /// By lock: how its statements change with the wind at its places.
+    by_wind: Vec<DMatrix<f64>>,
+    /// How all these winds change with the state, turned: a column for each wind.
     by_state: DMatrix<f64>,
     /// Each lock's by its own constants.
     by_constants: DMatrix<f64>,
-    /// What `by_state` times the state and `by_constants` times the constants should be together.
+    /// What `by_wind` times the winds and `by_constants` times the constants should be together.
     target: DVector<f64>,
+}
+
+/// What of a list is one lock's.
+#[derive(Clone)]
+struct Span {
+    rows: Range<usize>,
+    /// Three numbers for each of its wind places.
+    winds: Range<usize>,
+}
+
+impl Span {
+    /// Those of all locks.
+    fn all(locks: &[SeenLock]) -> Vec<Self> {
+        let (mut row, mut wind) = (0, 0);
+        let span = |seen: &SeenLock| {
+            let (rows, winds) =
+                (row..row + 2 * seen.lock.n_sticks(), wind..wind + 3 * seen.wind_places_m.len());
+            (row, wind) = (rows.end, winds.end);
+            Self { rows, winds }
+        };
+        locks.iter().map(span).collect()
+    }
 }
 
 impl Statements {
@@ -113,57 +144,48 @@ impl Statements {
         slope: DragSlope,
     ) -> Self {
         let (now, values) = (air.now(step), &air.states[step].values);
-        let n_rows: Vec<usize> = problem.locks.iter().map(|seen| 2 * seen.lock.n_sticks()).collect();
-        let n_all = n_rows.iter().sum();
-        // All below one another: one product of large matrices is several times as quick as many of small ones.
+        let spans = Span::all(problem.locks);
+        let (n_rows, n_winds) = spans.last().map_or((0, 0), |last| (last.rows.end, last.winds.end));
         let mut said = Self {
-            locks: Vec::with_capacity(n_rows.len()),
-            weights: Vec::with_capacity(n_rows.len()),
-            by_state: DMatrix::zeros(n_all, values.len()),
-            by_constants: DMatrix::zeros(n_all, N_CONSTANTS),
-            target: DVector::zeros(n_all),
-            n_rows,
+            locks: Vec::with_capacity(spans.len()),
+            weights: Vec::with_capacity(spans.len()),
+            by_wind: Vec::with_capacity(spans.len()),
+            by_state: DMatrix::zeros(values.len(), n_winds),
+            by_constants: DMatrix::zeros(n_rows, N_CONSTANTS),
+            target: DVector::zeros(n_rows),
+            spans,
         };
-        let mut first = 0;
-        for (lock, n) in said.n_rows.iter().enumerate() {
+        for (lock, span) in said.spans.iter().enumerate() {
             let balance = around.balance(problem, lock, step);
             let station = &around.stations[step][lock];
-            let evidence = station.evidence(&balance, air, &now, slope, problem.session.body.friction);
-            if let Some(evidence) = &evidence {
-                let mut rows = said.by_state.rows_mut(first, *n);
-                rows.gemm(1.0, &evidence.by_wind, &evidence.winds_by_state, 0.0);
-                said.by_constants.rows_mut(first, *n).copy_from(&evidence.by_constants);
-                let mut target = said.target.rows_mut(first, *n);
-                target.gemv(
-                    1.0,
-                    &evidence.by_constants,
-                    &DVector::from_column_slice(&balance.constants),
-                    0.0,
-                );
-                target -= &evidence.moments;
-            }
-            said.weights.push(evidence.as_ref().map_or(0.0, |evidence| evidence.weight));
-            said.locks.push(evidence.map(|evidence| LockSaid {
-                square: evidence.moments.norm_squared(),
-                touches: evidence.n_pushing > 0,
-            }));
-            first += n;
+            let by_state = said.by_state.columns_range_mut(span.winds.clone());
+            let evidence =
+                station.evidence(&balance, air, &now, slope, problem.session.body.friction, by_state);
+            let Some(Evidence { moments, by_wind, by_constants, weight, n_pushing }) = evidence else {
+                // What it does not say may not be a number.
+                said.by_state.columns_range_mut(span.winds.clone()).fill(0.0);
+                said.by_wind.push(DMatrix::zeros(span.rows.len(), span.winds.len()));
+                said.weights.push(0.0);
+                said.locks.push(None);
+                continue;
+            };
+            let mut target = said.target.rows_range_mut(span.rows.clone());
+            target.gemv(1.0, &by_constants, &DVector::from_column_slice(&balance.constants), 0.0);
+            target -= &moments;
+            let by_state = said.by_state.columns_range(span.winds.clone());
+            target.gemv(1.0, &by_wind, &by_state.tr_mul(values), 1.0);
+            said.by_constants.rows_range_mut(span.rows.clone()).copy_from(&by_constants);
+            said.by_wind.push(by_wind);
+            said.weights.push(weight);
+            said.locks.push(Some(LockSaid { square: moments.norm_squared(), touches: n_pushing > 0 }));
         }
-        said.target.gemv(1.0, &said.by_state, values, 1.0);
         said
-    }
-
-    /// A number for each statement from one for each lock.
-    fn by_row(&self, of_lock: impl Fn(usize) -> f64) -> DVector<f64> {
-        let rows = self.n_rows.iter().enumerate();
-        let repeated = rows.flat_map(|(lock, n)| core::iter::repeat_n(of_lock(lock), *n));
-        DVector::from_iterator(self.target.len(), repeated)
     }
 
     /// What each says by itself.
     fn own(&self, counts: &Counts) -> Weighed {
         Weighed {
-            weights: self.by_row(|lock| counts.own * self.weights[lock]),
+            weights: self.weights.iter().map(|weight| counts.own * weight).collect(),
             by_constants: self.by_constants.clone(),
             target: self.target.clone(),
         }
@@ -178,7 +200,7 @@ impl Statements {
             _ => 0.0,
         };
         Weighed {
-            weights: self.by_row(weight),
+            weights: (0..self.locks.len()).map(weight).collect(),
             by_constants: &self.by_constants - &other.by_constants,
             target: &self.target - &other.target,
         }
@@ -195,60 +217,73 @@ impl Statements {
         let own = self.own(counts);
         let from_before = before.map(|before| self.change(before, counts));
         let to_after = after.map(|after| self.change(after, counts));
-        let (mut weights, mut pull) = (own.weights.clone(), own.weights.component_mul(&own.target));
-        for change in [&from_before, &to_after].into_iter().flatten() {
-            weights += &change.weights;
-            pull += change.weights.component_mul(&change.target);
+        let mut weights = own.weights.clone();
+        let mut pull = DVector::zeros(self.by_state.ncols());
+        for (lock, span) in self.spans.iter().enumerate() {
+            let mut of_lock = own.target.rows_range(span.rows.clone()) * own.weights[lock];
+            for change in [&from_before, &to_after].into_iter().flatten() {
+                weights[lock] += change.weights[lock];
+                of_lock.axpy(change.weights[lock], &change.target.rows_range(span.rows.clone()), 1.0);
+            }
+            pull.rows_range_mut(span.winds.clone()).gemv_tr(1.0, &self.by_wind[lock], &of_lock, 0.0);
         }
-        // What is multiplied is turned first: the library's products of turned matrices are several times as slow.
-        let turned = self.by_state.transpose();
         let with_before = before.zip(from_before.as_ref());
         let with_before =
-            with_before.map(|(before, change)| weighed(&turned, &change.weights) * &before.by_state);
-        let information = Triangle::of(&(weighed(&turned, &weights) * &self.by_state));
-        let of_air = Said { information, vector: self.by_state.tr_mul(&pull), with_before };
+            with_before.map(|(before, change)| &self.by_state * self.counted(before, &change.weights));
+        let information = Triangle::of_product(&self.by_state, &self.counted(self, &weights));
+        let of_air = Said { information, vector: &self.by_state * pull, with_before };
         let of_constants = if locks_differ {
-            self.of_constants(&turned, &own, from_before.as_ref(), to_after.as_ref())
+            self.of_constants(&own, from_before.as_ref(), to_after.as_ref())
         } else {
             ConstantsAt::default()
         };
         (of_air, of_constants)
     }
 
+    /// The statements' change with their winds, turned, times another's with the state, by how much locks count.
+    fn counted(&self, other: &Self, weights: &[f64]) -> DMatrix<f64> {
+        let mut counted = DMatrix::zeros(self.by_state.ncols(), self.by_state.nrows());
+        // The library's products of turned matrices are several times as slow.
+        let by_state = other.by_state.transpose();
+        for (lock, span) in self.spans.iter().enumerate() {
+            let of_winds = self.by_wind[lock].transpose() * &other.by_wind[lock];
+            let by_state = by_state.rows_range(span.winds.clone());
+            counted.rows_range_mut(span.winds.clone()).gemm(weights[lock], &of_winds, &by_state, 0.0);
+        }
+        counted
+    }
+
     /// What they say of the constants. A change between two steps is said of them by the later one, of them with the air by both.
-    /// `by_state`: that of all statements, turned.
     fn of_constants(
         &self,
-        by_state: &DMatrix<f64>,
         own: &Weighed,
         from_before: Option<&Weighed>,
         to_after: Option<&Weighed>,
     ) -> ConstantsAt {
-        let n_all = self.n_rows.len() * N_CONSTANTS;
+        let n_all = self.spans.len() * N_CONSTANTS;
         let mut said = ConstantsAt {
-            information: Vec::with_capacity(self.n_rows.len()),
+            information: Vec::with_capacity(self.spans.len()),
             vector: DVector::zeros(n_all),
-            with_air: DMatrix::zeros(by_state.nrows(), n_all),
+            with_air: DMatrix::zeros(self.by_state.nrows(), n_all),
         };
-        let mut first = 0;
-        for (lock, n) in self.n_rows.iter().enumerate() {
+        for (lock, Span { rows, winds }) in self.spans.iter().enumerate() {
             let (mut information, at) = (DMatrix::zeros(N_CONSTANTS, N_CONSTANTS), lock * N_CONSTANTS);
-            let mut with_state = DMatrix::zeros(*n, N_CONSTANTS);
+            let mut with_winds = DMatrix::zeros(rows.len(), N_CONSTANTS);
             for term in [Some(own), from_before].into_iter().flatten() {
-                let rows = term.by_constants.rows(first, *n);
-                let counted = term.counted_constants(first, *n);
-                information.gemm(1.0, &counted.transpose(), &rows, 1.0);
-                let target = term.target.rows(first, *n);
+                let by_constants = term.by_constants.rows_range(rows.clone());
+                let counted = by_constants * term.weights[lock];
+                information.gemm(1.0, &counted.transpose(), &by_constants, 1.0);
+                let target = term.target.rows_range(rows.clone());
                 said.vector.rows_mut(at, N_CONSTANTS).gemv_tr(1.0, &counted, &target, 1.0);
-                with_state += counted;
+                with_winds += counted;
             }
             if let Some(term) = to_after {
-                with_state += term.counted_constants(first, *n);
+                with_winds += term.by_constants.rows_range(rows.clone()) * term.weights[lock];
             }
             said.information.push(information);
-            let by_state = by_state.columns(first, *n);
-            said.with_air.columns_mut(at, N_CONSTANTS).gemm(1.0, &by_state, &with_state, 0.0);
-            first += n;
+            let by_state = self.by_state.columns_range(winds.clone());
+            let with_winds = self.by_wind[lock].transpose() * with_winds;
+            said.with_air.columns_mut(at, N_CONSTANTS).gemm(1.0, &by_state, &with_winds, 0.0);
         }
         said
     }
@@ -256,25 +291,8 @@ impl Statements {
 
 /// Statements, or their changes from one step to another.
 struct Weighed {
-    /// How much each counts.
-    weights: DVector<f64>,
+    /// How much each lock's count.
+    weights: Vec<f64>,
     by_constants: DMatrix<f64>,
     target: DVector<f64>,
-}
-
-impl Weighed {
-    /// How some of them change with the constants, by how much they count.
-    fn counted_constants(&self, first: usize, n: usize) -> DMatrix<f64> {
-        let mut counted = self.by_constants.rows(first, n).into_owned();
-        let weights = self.weights.rows(first, n);
-        counted.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
-        counted
-    }
-}
-
-/// A matrix with its columns times some numbers.
-fn weighed(matrix: &DMatrix<f64>, weights: &DVector<f64>) -> DMatrix<f64> {
-    let mut weighed = matrix.clone();
-    weighed.column_iter_mut().zip(weights).for_each(|(mut column, weight)| column *= *weight);
-    weighed
 }

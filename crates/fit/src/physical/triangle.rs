@@ -10,6 +10,9 @@ pub(crate) struct Triangle {
     rows: Vec<f64>,
 }
 
+/// Columns of a symmetric product that are found at once: above their diagonal half a band is found in vain.
+const BAND: usize = 32;
+
 /// Columns that are solved for at once.
 const TOGETHER: usize = 8;
 
@@ -23,6 +26,18 @@ impl Triangle {
         let n = matrix.nrows();
         let rows = (0..n).flat_map(|r| (0..=r).map(move |c| matrix[(r, c)])).collect();
         Self { n, rows }
+    }
+
+    /// That of a product which is symmetric.
+    pub(crate) fn of_product(left: &DMatrix<f64>, right: &DMatrix<f64>) -> Self {
+        let n = left.nrows();
+        let mut product = DMatrix::zeros(n, n);
+        for first in (0..n).step_by(BAND) {
+            let end = (first + BAND).min(n);
+            let (left, right) = (left.rows_range(first..), right.columns_range(first..end));
+            product.view_range_mut(first.., first..end).gemm(1.0, &left, &right, 0.0);
+        }
+        Self::of(&product)
     }
 
     /// The matrix, with zeros above.
