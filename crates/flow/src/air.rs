@@ -134,12 +134,13 @@ impl AirFlow {
     /// The same air as far as other modes can carry it. Nothing is known of how sure it is.
     #[must_use]
     pub fn in_modes(&self, modes: SwirlModes) -> Self {
+        let by = modes.from_others(&self.modes);
         let state = |state: &AirState| {
-            let (swirls, others) = state.values.as_slice().split_at(state.n_modes());
-            let swirls = modes.coefficients(&self.modes.flow(swirls));
+            let n_modes = state.n_modes();
+            let swirls = &by * state.values.rows(0, n_modes);
+            let others = state.values.rows(n_modes, N_STREAM);
             let n = modes.n_modes() + N_STREAM;
-            let values = DVector::from_iterator(n, swirls.into_iter().chain(others.iter().copied()));
-            state.of_values(values)
+            state.of_values(DVector::from_iterator(n, swirls.iter().chain(others.iter()).copied()))
         };
         let states = self.states.iter().map(state).collect();
         Self { stream: self.stream, modes, states, ..*self }

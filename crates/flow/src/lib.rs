@@ -16,4 +16,4 @@ mod swirl;
 pub use air::{AirFlow, AirPlace, AirState, N_STREAM, WindAt};
 pub use potential::PotentialFlow;
 pub use stream::{Stream, StreamAt, StreamNow, StreamPart, StreamWind, stream_parts};
-pub use swirl::{SwirlFlow, SwirlKernel, SwirlModes, SwirlPlace};
+pub use swirl::{SwirlFlows, SwirlKernel, SwirlModes, SwirlPlace};

@@ -1,4 +1,5 @@
-use nalgebra::{DMatrix, DVector, DVectorView, Matrix3};
+use crate::exponential::exp;
+use nalgebra::{DMatrix, Matrix3};
 use rayon::prelude::*;
 use tousle_core::{Pose, Vec3};
 
@@ -14,23 +15,36 @@ pub struct SwirlKernel {
     pub length_m: f64,
 }
 
-/// Sizes of swirls over [`SwirlKernel::length_m`], and their shares of the variance, which grow with the size's power of ⅔
-/// (Kolmogorov, "The local structure of turbulence in incompressible viscous fluid for very large Reynolds numbers",
-/// 1941): 2^∓½, and 2^∓⅓ over their sum.
-const SIZES: [(f64, f64); 2] =
-    [(SMALLEST, 0.386_488_209_564_309_4), (std::f64::consts::SQRT_2, 0.613_511_790_435_690_6)];
-const SMALLEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// Shares that the lesser and the larger swirls have in the variance, which grow with the size's power of ⅔ (Kolmogorov, "The local
+/// structure of turbulence in incompressible viscous fluid for very large Reynolds numbers", 1941): 2^∓⅓ over their sum.
+const OF_LESSER: f64 = 0.386_488_209_564_309_4;
+const OF_LARGER: f64 = 1.0 - OF_LESSER;
+
+/// The lesser ℓ over [`SwirlKernel::length_m`].
+const LESSER: f64 = core::f64::consts::FRAC_1_SQRT_2;
+
+/// Beyond this nothing of a bell is left that a number can hold.
+const BELL_ENDS: f64 = 170.0;
 
 impl SwirlKernel {
+    /// The covariance of two points' velocities is `a` r rᵀ + `b` I, where r leads from one to the other.
+    fn parts(self, apart_m: Vec3) -> [f64; 2] {
+        let per_square = 1.0 / (self.length_m * self.length_m);
+        let s = apart_m.norm_squared() * per_square;
+        // Half the size, four times the exponent.
+        let larger = exp(-f64::min(0.25 * s, BELL_ENDS));
+        let lesser = (larger * larger) * (larger * larger);
+        let (larger, lesser) = (0.5 * OF_LARGER * larger, 0.5 * OF_LESSER * lesser);
+        [
+            (larger * 0.5 + lesser * 2.0) * per_square,
+            larger * (2.0 - 0.5 * s) + lesser * (2.0 - 2.0 * s),
+        ]
+    }
+
     /// The covariance of the velocities at two points that are `apart_m` apart.
     pub fn at(&self, apart_m: Vec3) -> Matrix3<f64> {
-        let of_size = |(size, share): (f64, f64)| {
-            let r = apart_m / (size * self.length_m);
-            let r2 = r.norm_squared();
-            let bell = 0.5 * share * libm::exp(-0.5 * r2);
-            Matrix3::from_fn(|i, j| bell * (r[i] * r[j] + if i == j { 2.0 - r2 } else { 0.0 }))
-        };
-        SIZES.into_iter().map(of_size).sum()
+        let [a, b] = self.parts(apart_m);
+        apart_m * apart_m.transpose() * a + Matrix3::from_diagonal_element(b)
     }
 }
 
@@ -44,19 +58,19 @@ impl SwirlKernel {
 pub struct SwirlModes {
     kernel: SwirlKernel,
     pivots: Vec<(Vec3, usize)>,
-    /// Lower triangle of the pivots' covariance.
-    factor: DMatrix<f64>,
+    /// Takes velocities at the pivots apart into modes: the inverse of the lower factor of their covariance.
+    unmixed: DMatrix<f64>,
     lattice: Lattice,
-    /// Node after node, component after component, mode after mode.
-    values: Vec<f64>,
+    /// A column for each component of each node, a row for each mode.
+    values: DMatrix<f64>,
 }
 
-/// One swirling flow.
+/// Some swirling flows.
 #[derive(Clone, Debug)]
-pub struct SwirlFlow<'a> {
+pub struct SwirlFlows<'a> {
     lattice: &'a Lattice,
-    /// Node after node, three components each.
-    nodes: Vec<f64>,
+    /// A column for each component of each node, a row for each flow.
+    nodes: DMatrix<f64>,
 }
 
 /// Where a point lies among the nodes at which modes are known.
@@ -68,15 +82,22 @@ pub struct SwirlPlace {
     share: [f64; 3],
 }
 
-impl SwirlFlow<'_> {
-    /// Its velocity at a place; none where no mode reaches.
-    pub fn at(&self, place: Option<&SwirlPlace>) -> Vec3 {
-        let Some(place) = place.filter(|_| !self.nodes.is_empty()) else { return Vec3::zeros() };
-        self.lattice
-            .corners(place)
-            .iter()
-            .map(|(node, weight)| Vec3::from_column_slice(&self.nodes[3 * node..3 * node + 3]) * *weight)
-            .sum()
+impl SwirlFlows<'_> {
+    /// The velocity of each at a place; none where no mode reaches.
+    ///
+    /// # Panics
+    /// If `velocities` is not as long as there are flows.
+    pub fn at(&self, place: Option<&SwirlPlace>, velocities: &mut [Vec3]) {
+        velocities.fill(Vec3::zeros());
+        let Some(place) = place else { return };
+        for (node, weight) in self.lattice.corners(place) {
+            let of_node = self.nodes.columns(3 * node, 3);
+            for (flow, velocity) in velocities.iter_mut().enumerate() {
+                for axis in 0..3 {
+                    velocity[axis] += of_node[(flow, axis)] * weight;
+                }
+            }
+        }
     }
 }
 
@@ -91,6 +112,9 @@ struct Lattice {
 /// Share of the variance that may be left out at every point.
 const LEFT_OUT: f64 = 0.03;
 
+/// Nodes whose modes are told at once.
+const NODES_TOGETHER: usize = 64;
+
 /// Edge of the lattice over the kernel's lesser length: at half of it, reading between nodes is off by some 3 % of a swirl.
 const LATTICE_SHARE: f64 = 0.35;
 
@@ -98,12 +122,18 @@ impl SwirlModes {
     /// Modes for the neighborhood of some points, at most `max_modes`, readable within `reach_m` of the points' box.
     pub fn near(points_m: &[Vec3], kernel: SwirlKernel, max_modes: usize, reach_m: f64) -> Self {
         let (pivots, factor) = pivots(points_m, kernel, max_modes);
-        let edge_m = LATTICE_SHARE * SMALLEST * kernel.length_m;
-        let lattice = Lattice::around(points_m, reach_m, edge_m);
-        let mut modes = Self { kernel, pivots, factor, lattice, values: Vec::new() };
-        let n_nodes: usize = modes.lattice.dims.iter().product();
-        let of_node = |node| modes.exact(modes.lattice.place(node));
-        modes.values = (0..n_nodes).into_par_iter().map(of_node).collect::<Vec<_>>().concat();
+        let n = pivots.len();
+        let unmixed = factor.solve_lower_triangular(&DMatrix::identity(n, n)).unwrap_or(factor);
+        let lattice = Lattice::around(points_m, reach_m, LATTICE_SHARE * LESSER * kernel.length_m);
+        let mut modes = Self { kernel, pivots, unmixed, lattice, values: DMatrix::zeros(n, 0) };
+        let nodes: Vec<usize> = (0..modes.lattice.n_nodes()).collect();
+        let of_nodes = |nodes: &[usize]| {
+            let points_m: Vec<Vec3> = nodes.iter().map(|node| modes.lattice.place(*node)).collect();
+            modes.exact(&points_m)
+        };
+        let values: Vec<_> = nodes.par_chunks(NODES_TOGETHER).map(of_nodes).collect();
+        let numbers = values.iter().flat_map(|of_nodes| of_nodes.as_slice().iter().copied());
+        modes.values = DMatrix::from_iterator(n, 3 * nodes.len(), numbers);
         modes
     }
 
@@ -126,31 +156,33 @@ impl SwirlModes {
         out.fill(0.0);
         let Some(place) = self.place(point_m) else { return };
         for (node, weight) in self.lattice.corners(&place) {
-            let values = &self.values[node * row..(node + 1) * row];
+            let values = &self.values.as_slice()[node * row..(node + 1) * row];
             for (sum, value) in out.iter_mut().zip(values) {
                 *sum += weight * value;
             }
         }
     }
 
-    /// The flow of given coefficients, ready to be read at many points.
+    /// The flows of given coefficients, a row each, ready to be read at many points. Many at once are several times as quick as
+    /// one after the other.
     ///
     /// # Panics
-    /// If there are fewer coefficients than modes.
-    pub fn flow(&self, coefficients: &[f64]) -> SwirlFlow<'_> {
-        let n = self.n_modes();
-        let coefficients = DVectorView::from_slice(&coefficients[..n], n);
-        let sum = |row: &[f64]| DVectorView::from_slice(row, n).dot(&coefficients);
-        let nodes = if n == 0 { Vec::new() } else { self.values.chunks_exact(n).map(sum).collect() };
-        SwirlFlow { lattice: &self.lattice, nodes }
+    /// If there are not as many coefficients as modes.
+    pub fn flows(&self, coefficients: &DMatrix<f64>) -> SwirlFlows<'_> {
+        SwirlFlows { lattice: &self.lattice, nodes: coefficients * &self.values }
     }
 
-    /// The coefficients with which the modes blow like a flow of other modes where it tells them most of it.
-    pub fn coefficients(&self, flow: &SwirlFlow<'_>) -> Vec<f64> {
-        let blows = |(pivot, axis): &(Vec3, usize)| flow.at(flow.lattice.find(*pivot).as_ref())[*axis];
-        let blows = DVector::from_iterator(self.n_modes(), self.pivots.iter().map(blows));
-        let solved = self.factor.solve_lower_triangular(&blows).unwrap_or(blows);
-        solved.as_slice().to_vec()
+    /// Makes of coefficients of other modes those with which these blow like them, where these tell most of it.
+    pub fn from_others(&self, others: &Self) -> DMatrix<f64> {
+        let n = others.n_modes();
+        let mut blow = DMatrix::zeros(self.n_modes(), n);
+        let mut at = vec![0.0; 3 * n];
+        for (i, (pivot, axis)) in self.pivots.iter().enumerate() {
+            others.at(*pivot, &mut at);
+            let own = &at[axis * n..(axis + 1) * n];
+            blow.row_mut(i).iter_mut().zip(own).for_each(|(blow, own)| *blow = *own);
+        }
+        &self.unmixed * blow
     }
 
     /// What becomes of the modes' coefficients when the air travels: row by row, the coefficients then from those now. What
@@ -158,32 +190,33 @@ impl SwirlModes {
     /// there now, and turns velocities back to the axes of before.
     pub fn carried(&self, before_from_now: &Pose) -> DMatrix<f64> {
         let n = self.n_modes();
-        let mut columns = DMatrix::zeros(n, n);
-        for (j, (pivot, axis)) in self.pivots.iter().enumerate() {
+        let was = |(pivot, axis): &(Vec3, usize)| {
             let was_m = before_from_now.transform_point(&(*pivot).into()).coords;
-            let blew = before_from_now.rotation * Vec3::ith(*axis, 1.0);
-            for (i, (other, other_axis)) in self.pivots.iter().enumerate() {
-                columns[(i, j)] = (self.kernel.at(other - was_m) * blew)[*other_axis];
-            }
-        }
-        // Column by column, the modes at where the pivots' air was; then what modes give those values at the pivots.
-        let modes = self.factor.solve_lower_triangular(&columns).unwrap_or(columns);
-        let rows = modes.transpose();
-        self.factor.solve_lower_triangular(&rows).unwrap_or(rows)
+            (was_m, before_from_now.rotation * Vec3::ith(*axis, 1.0))
+        };
+        // A row for each pivot's air before, a column for each pivot: the modes at where the pivots' air was, and then what modes
+        // give those values at the pivots, are both what these are taken apart into.
+        let columns = self.covariances(self.pivots.iter().map(was), n);
+        &self.unmixed * (&self.unmixed * columns).transpose()
     }
 
-    /// The modes at a point, not read from the lattice.
-    fn exact(&self, point_m: Vec3) -> Vec<f64> {
-        let n = self.n_modes();
-        let mut columns = DMatrix::zeros(n, 3);
-        for (i, (pivot, axis)) in self.pivots.iter().enumerate() {
-            let covariance = self.kernel.at(pivot - point_m);
-            for c in 0..3 {
-                columns[(i, c)] = covariance[(*axis, c)];
+    /// The modes at some points, not read from the lattice: a column for each component of each.
+    fn exact(&self, points_m: &[Vec3]) -> DMatrix<f64> {
+        let components = points_m.iter().flat_map(|p| (0..3).map(|axis| (*p, Vec3::ith(axis, 1.0))));
+        &self.unmixed * self.covariances(components, 3 * points_m.len())
+    }
+
+    /// How the pivots, a row each, go together with what blows at some points in some directions, a column each.
+    fn covariances(&self, blows: impl Iterator<Item = (Vec3, Vec3)>, n_columns: usize) -> DMatrix<f64> {
+        let mut columns = DMatrix::zeros(self.n_modes(), n_columns);
+        for (mut column, (point_m, direction)) in columns.column_iter_mut().zip(blows) {
+            for (value, (pivot, axis)) in column.iter_mut().zip(&self.pivots) {
+                let apart_m = pivot - point_m;
+                let [a, b] = self.kernel.parts(apart_m);
+                *value = a * apart_m[*axis] * apart_m.dot(&direction) + b * direction[*axis];
             }
         }
-        let solved = self.factor.solve_lower_triangular(&columns).unwrap_or(columns);
-        solved.as_slice().to_vec()
+        columns
     }
 }
 
@@ -235,6 +268,10 @@ impl Lattice {
         Self { origin_m: low, edge_m, dims }
     }
 
+    fn n_nodes(&self) -> usize {
+        self.dims.iter().product()
+    }
+
     fn place(&self, node: usize) -> Vec3 {
         let [_, ny, nz] = self.dims;
         let index = [node / (ny * nz), node / nz % ny, node % nz];
@@ -279,6 +316,7 @@ impl Lattice {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::DVector;
 
     fn points() -> Vec<Vec3> {
         (0..27).map(|k| Vec3::from([k % 3, k / 3 % 3, k / 9].map(f64::from)) * 0.08).collect()
@@ -309,9 +347,9 @@ mod tests {
         for axis in 0..3 {
             let mut step = Vec3::zeros();
             step[axis] = h;
-            let (a, b) = (modes.exact(p + step), modes.exact(p - step));
+            let [a, b] = [p + step, p - step].map(|p| modes.exact(&[p]));
             for j in 0..n {
-                let slope = (a[axis * n + j] - b[axis * n + j]) / (2.0 * h);
+                let slope = (a[(j, axis)] - b[(j, axis)]) / (2.0 * h);
                 divergence[j] += slope;
                 steepest = steepest.max(slope.abs());
             }

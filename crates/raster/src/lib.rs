@@ -14,6 +14,9 @@ use tousle_core::{Progress, Vec3, WindSample, WindSamples};
 use tousle_field::{Field, FieldSequence, GridSpec, VoxelFlag};
 use tousle_flow::AirFlow;
 
+/// Steps that are filled at once: a thread's share of those of a second.
+const STEPS_TOGETHER: usize = 8;
+
 /// Which method fills the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RasterMethod {
@@ -119,15 +122,19 @@ pub fn rasterize(
         (RasterMethod::Physical, Some(air)) => Some(physical::Voxels::new(&grid, air)),
         (RasterMethod::Physical, None) => return Err(RasterError::NoAir),
     };
-    let fill = |(step, (samples, outside)): (usize, (&Vec<_>, &Vec3))| {
-        let field = match &laid {
-            None => paper::fill_step(&grid, samples, *outside),
-            Some(voxels) => voxels.fill_step(step, samples),
+    let fill = |(part, (samples, outside)): (usize, (&[Vec<_>], &[Vec3]))| {
+        let first = part * STEPS_TOGETHER;
+        let fields: Vec<Field> = match &laid {
+            None => samples.iter().zip(outside).map(|(s, outside)| paper::fill_step(&grid, s, *outside)).collect(),
+            Some(voxels) => voxels.fill_steps(first..first + samples.len(), samples),
         };
-        progress.at(done.fetch_add(1, Ordering::Relaxed) + 1, n_steps as u64);
-        field
+        let n_filled = fields.len() as u64;
+        progress.at(done.fetch_add(n_filled, Ordering::Relaxed) + n_filled, n_steps as u64);
+        fields
     };
-    let steps: Vec<Field> = samples.steps.par_iter().zip(outside).enumerate().map(fill).collect();
+    let parts = samples.steps.par_chunks(STEPS_TOGETHER).zip(outside.par_chunks(STEPS_TOGETHER));
+    let steps: Vec<Vec<Field>> = parts.enumerate().map(fill).collect();
+    let steps = steps.into_iter().flatten().collect();
     let (quantity, rate_hz) = (samples.quantity, samples.rate_hz);
     let sequence = FieldSequence { grid, quantity, start_secs: 0.0, rate_hz, steps, layers: Vec::new() };
     Ok(Raster::of(sequence, samples))

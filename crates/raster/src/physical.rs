@@ -1,5 +1,7 @@
+use core::ops::Range;
+use nalgebra::DMatrix;
 use rayon::prelude::*;
-use tousle_core::WindSample;
+use tousle_core::{Vec3, WindSample};
 use tousle_field::{Field, GridSpec, Stencil, VoxelFlag};
 use tousle_flow::{AirFlow, AirPlace, StreamAt, SwirlPlace};
 
@@ -27,25 +29,33 @@ impl<'a> Voxels<'a> {
         Self { grid, air, voxels: (0..grid.n_voxels()).into_par_iter().map(voxel).collect() }
     }
 
-    /// The air at a step: the most likely velocity at each center, and where a marker was.
-    pub(crate) fn fill_step(&self, step: usize, samples: &[WindSample]) -> Field {
-        let state = &self.air.states[step];
-        let mut field = Field { outside: state.outside(), ..Field::still(self.grid) };
-        let n_modes = state.n_modes();
-        let coefficients: Vec<f64> = state.values.iter().take(n_modes).map(|c| c * state.swirl_mps).collect();
-        let swirls = self.air.modes.flow(&coefficients);
-        let now = self.air.now(step);
+    /// The air at some steps: the most likely velocity at each center, and where a marker was. `samples` are those of each.
+    pub(crate) fn fill_steps(&self, steps: Range<usize>, samples: &[Vec<WindSample>]) -> Vec<Field> {
+        let states = &self.air.states[steps.clone()];
+        let nows: Vec<_> = steps.clone().map(|step| self.air.now(step)).collect();
+        let mut fields: Vec<Field> = states
+            .iter()
+            .map(|state| Field { outside: state.outside(), ..Field::still(self.grid) })
+            .collect();
+        let coefficients = DMatrix::from_fn(states.len(), self.air.modes.n_modes(), |step, mode| {
+            states[step].values[mode] * states[step].swirl_mps
+        });
+        let flows = self.air.modes.flows(&coefficients);
+        let mut swirls = vec![Vec3::zeros(); states.len()];
         for (flat, voxel) in self.voxels.iter().enumerate() {
             let Some(voxel) = voxel else { continue };
-            let (velocity, layer) = voxel.stream.velocity(&now);
-            field.set_vector(flat, velocity + swirls.at(voxel.swirl.as_ref()) * layer);
+            flows.at(voxel.swirl.as_ref(), &mut swirls);
+            for ((field, now), swirls) in fields.iter_mut().zip(&nows).zip(&swirls) {
+                let (velocity, layer) = voxel.stream.velocity(now);
+                field.set_vector(flat, velocity + swirls * layer);
+            }
         }
-        for sample in samples {
-            if let Some(voxel) = self.grid.voxel_at(sample.position_m) {
+        for (field, samples) in fields.iter_mut().zip(samples) {
+            for voxel in samples.iter().filter_map(|sample| self.grid.voxel_at(sample.position_m)) {
                 field.flags[self.grid.flat(voxel)] = VoxelFlag::Measured;
             }
         }
-        field
+        fields
     }
 }
 

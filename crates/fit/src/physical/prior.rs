@@ -2,7 +2,7 @@
 
 use super::smoother::{Carried, Wander};
 use super::solve::Problem;
-use super::triangle::Triangle;
+use super::triangle::inverse_factor;
 use crate::outside::fan_winds;
 use nalgebra::{DMatrix, DVector, Matrix3, Translation3};
 use tousle_core::{Pose, Vec3};
@@ -109,8 +109,7 @@ pub(crate) fn carried(problem: &Problem<'_>, air: &AirFlow, step: usize) -> Carr
     let by = air.modes.carried(&(Translation3::from(-travel_m) * head_before_from_now))
         * libm::exp(-dt / SWIRL_LASTS_SECS);
     let fresh = DMatrix::identity(n, n) - &by * by.transpose();
-    let fresh = fresh.cholesky().map_or_else(|| DMatrix::identity(n, n), |factor| Triangle::inverse(&factor));
-    Carried::new(by, fresh)
+    Carried::new(&by, &inverse_factor(&fresh).unwrap_or_else(|| DMatrix::identity(n, n)))
 }
 
 /// What is known of the wind far away at every step before any lock is asked: the precision matrix of its value, which is

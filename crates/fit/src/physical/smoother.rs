@@ -1,7 +1,7 @@
 //! The most likely course of a state over time, from what is likely before and what every step says.
 
 use super::constants::ConstantsSaid;
-use super::triangle::Triangle;
+use super::triangle::{Triangle, inverse_factor};
 use core::ops::Range;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
@@ -22,17 +22,23 @@ pub(crate) struct Wander {
 
 /// How some numbers come to a step from the one before.
 pub(crate) struct Carried {
-    /// What they become.
-    by: DMatrix<f64>,
     /// Precision of what is added anew.
-    fresh: DMatrix<f64>,
-    /// `fresh` times `by`.
+    fresh: Triangle,
+    /// `fresh` times what they become.
     passed: DMatrix<f64>,
+    /// What they become, turned, times `passed`.
+    kept: Triangle,
 }
 
 impl Carried {
-    pub(crate) fn new(by: DMatrix<f64>, fresh: DMatrix<f64>) -> Self {
-        Self { passed: &fresh * &by, by, fresh }
+    /// `by`: what they become. `unmixed`: the inverse of the lower factor of the covariance of what is added anew.
+    pub(crate) fn new(by: &DMatrix<f64>, unmixed: &DMatrix<f64>) -> Self {
+        let (turned, became) = (unmixed.transpose(), unmixed * by);
+        Self {
+            fresh: Triangle::of_square(unmixed),
+            kept: Triangle::of_product(&became.transpose(), &became),
+            passed: turned * became,
+        }
     }
 }
 
@@ -62,10 +68,10 @@ impl Wander {
                 (0..self.n_carried).for_each(|i| said.information.add(i, i, self.first[i]));
                 return None;
             }
-            let Carried { by, fresh, passed } = carried(step);
-            said.information += &Triangle::of(&fresh);
+            let Carried { fresh, passed, kept } = carried(step);
+            said.information += &fresh;
             self.join(said, &passed);
-            Some(Triangle::of(&(by.transpose() * passed)))
+            Some(kept)
         };
         let of_before: Vec<Option<Triangle>> = said.par_iter_mut().enumerate().map(come).collect();
         for (said, passed) in said.iter_mut().zip(of_before.into_iter().skip(1).flatten()) {
@@ -133,9 +139,10 @@ pub(crate) fn most_likely(
     let of_step = |((mut own, before), after): ((Said, Said), Said)| {
         own.information -= &before.information;
         own.information -= &after.information;
-        let factor = own.information.matrix().cholesky()?;
-        let state = factor.solve(&(own.vector + before.vector + after.vector));
-        Some(Likely { state, covariance: with_covariance.then(|| Triangle::inverse(&factor)) })
+        let unmixed = inverse_factor(&own.information.matrix())?;
+        let state = unmixed.tr_mul(&(&unmixed * (own.vector + before.vector + after.vector)));
+        let covariance = with_covariance.then(|| Triangle::of_square(&unmixed).symmetric());
+        Some(Likely { state, covariance })
     };
     let likely = said.into_par_iter().zip(from_before).zip(from_after).map(of_step);
     let mut likely: Vec<Likely> = likely.collect::<Option<_>>()?;
@@ -148,9 +155,9 @@ pub(crate) fn most_likely(
 
 /// What is left of a step's state when it is eliminated, those before it first.
 struct Eliminated {
-    /// Lower factor of its information.
-    lower: Triangle,
-    /// The factor's inverse times what joins it to the next step; `None` of the last.
+    /// The inverse of its information's lower factor.
+    unmixed: Triangle,
+    /// That times what joins it to the next step; `None` of the last.
     to_next: Option<DMatrix<f64>>,
 }
 
@@ -170,22 +177,23 @@ fn swept(
         let (own_said, come) = (&own[step], passed.last()?);
         let mut information = own_said.information.clone();
         information -= &come.information;
-        let lower = Triangle::of(information.matrix().cholesky()?.l_dirty());
+        let factor = inverse_factor(&information.matrix())?;
+        let unmixed = Triangle::of(&factor);
         if k + 1 == own.len() {
-            eliminated(Eliminated { lower, to_next: None });
+            eliminated(Eliminated { unmixed, to_next: None });
             break;
         }
-        let gain = lower.solve(&link(step)?);
-        let vector = lower.solve_column(&(&own_said.vector + &come.vector));
+        let gain = &factor * link(step)?;
         let turned = gain.transpose();
-        let information = Triangle::of(&(&turned * &gain));
-        passed.push(Said { information, vector: turned * vector, with_before: None });
-        eliminated(Eliminated { lower, to_next: Some(gain) });
+        let vector = &turned * (factor * (&own_said.vector + &come.vector));
+        let information = Triangle::of_product(&turned, &gain);
+        passed.push(Said { information, vector, with_before: None });
+        eliminated(Eliminated { unmixed, to_next: Some(gain) });
     }
     Some(passed)
 }
 
-/// Constants whose columns are solved for at once.
+/// Constants whose columns are solved for at once: about so many, in an even number of groups for two threads.
 const CONSTANTS_TOGETHER: usize = 32;
 
 /// Finds the constants beside states that are most likely where all constants are zero, and moves the states along.
@@ -199,46 +207,41 @@ fn with_constants(
         vector.gemv_tr(-1.0, with_air, &likely.state, 1.0);
     }
     let n = vector.len();
+    let n_groups = 2 * n.div_ceil(2 * CONSTANTS_TOGETHER).max(1);
+    let together = n.div_ceil(n_groups).max(1);
     let groups: Vec<Range<usize>> =
-        (0..n).step_by(CONSTANTS_TOGETHER).map(|first| first..(first + CONSTANTS_TOGETHER).min(n)).collect();
-    // By group and step.
-    let of_group = |group: &Range<usize>| {
-        let columns = with_air.iter().map(|all| all.columns_range(group.clone()).into_owned());
-        forward(eliminated, columns)
-    };
-    let forwards: Vec<Vec<DMatrix<f64>>> = groups.par_iter().map(of_group).collect();
+        (0..n).step_by(together).map(|first| first..(first + together).min(n)).collect();
+    // By group; one step below the other.
+    let of_group = |group: &Range<usize>| forward(eliminated, &with_air, group);
+    let forwards: Vec<DMatrix<f64>> = groups.par_iter().map(of_group).collect();
     drop(with_air);
-    let pairs: Vec<(usize, usize)> = (0..groups.len()).flat_map(|a| (0..=a).map(move |b| (a, b))).collect();
-    let product = |(a, b): &(usize, usize)| {
-        let mut product = DMatrix::zeros(groups[*a].len(), groups[*b].len());
-        for (a, b) in forwards[*a].iter().zip(&forwards[*b]) {
-            product.gemm(1.0, &a.transpose(), b, 1.0);
-        }
-        product
+    let of_group = |(a, forward): (usize, &DMatrix<f64>)| -> Vec<DMatrix<f64>> {
+        let turned = forward.transpose();
+        forwards[..=a].iter().map(|other| &turned * other).collect()
     };
-    let products: Vec<DMatrix<f64>> = pairs.par_iter().map(product).collect();
-    for ((a, b), product) in pairs.into_iter().zip(products) {
-        let mut block = information.view_mut((groups[a].start, groups[b].start), product.shape());
-        block -= product;
+    let products: Vec<_> = forwards.par_iter().enumerate().map(of_group).collect();
+    for (a, of_group) in products.into_iter().enumerate() {
+        for (b, product) in of_group.into_iter().enumerate() {
+            let mut block = information.view_mut((groups[a].start, groups[b].start), product.shape());
+            block -= product;
+        }
     }
     let factor = information.cholesky()?;
     let constants = DMatrix::from_columns(&[factor.solve(&vector)]);
     let n_state = likely.first()?.state.len();
-    // How far constants, a column for each choice of them, move the states backwards; those that no row is given for are zero.
+    // How far constants, a column for each choice of them, move the states, one step below the other; those that no row is given for
+    // are zero.
     let moved_by = |constants: &DMatrix<f64>| {
-        let of_step = |step: usize| {
-            let mut sum = DMatrix::zeros(n_state, constants.ncols());
-            for (group, forward) in
-                groups.iter().zip(&forwards).take_while(|(g, _)| g.end <= constants.nrows())
-            {
-                sum.gemm(1.0, &forward[step], &constants.rows_range(group.clone()), 1.0);
-            }
-            sum
-        };
-        backward(eliminated, (0..eliminated.len()).map(of_step).collect())
+        let mut moved = DMatrix::zeros(n_state * eliminated.len(), constants.ncols());
+        for (group, forward) in groups.iter().zip(&forwards).take_while(|(g, _)| g.end <= constants.nrows()) {
+            moved.gemm(1.0, forward, &constants.rows_range(group.clone()), 1.0);
+        }
+        backward(eliminated, &mut moved);
+        moved
     };
-    for (likely, moved) in likely.iter_mut().zip(moved_by(&constants)) {
-        likely.state -= moved.column(0);
+    let moved = moved_by(&constants);
+    for (step, likely) in likely.iter_mut().enumerate() {
+        likely.state -= moved.column(0).rows(step * n_state, n_state);
     }
     if let Some(means_off) = means_off {
         add_unknown(likely, &groups, &factor, &means_off, moved_by);
@@ -247,53 +250,63 @@ fn with_constants(
 }
 
 /// Adds to the states' covariances what comes of the constants' own, of whose information `factor` is one, and of what is held of
-/// them. `moved_by` tells how far constants move each step's state.
+/// them. `moved_by` tells how far constants move the states, one step below the other.
 fn add_unknown(
     likely: &mut [Likely],
     groups: &[Range<usize>],
     factor: &Cholesky<f64, Dyn>,
     means_off: &DMatrix<f64>,
-    moved_by: impl Fn(&DMatrix<f64>) -> Vec<DMatrix<f64>> + Sync,
+    moved_by: impl Fn(&DMatrix<f64>) -> DMatrix<f64> + Sync,
 ) {
     let n = factor.l_dirty().nrows();
     let inverse = Triangle::of(factor.l_dirty()).solve(&DMatrix::identity(n, n));
     // Independent unknowns of variance 1 in place of the constants: lower triangular, each hangs on those before it.
     let of_group =
         |group: &Range<usize>| moved_by(&inverse.view_range(group.clone(), ..group.end).transpose());
-    let mut moved: Vec<Vec<DMatrix<f64>>> = groups.par_iter().map(of_group).collect();
+    let mut moved: Vec<DMatrix<f64>> = groups.par_iter().map(of_group).collect();
     moved.push(moved_by(&factor.solve(means_off)));
     likely.par_iter_mut().enumerate().for_each(|(step, likely)| {
         let Some(covariance) = &mut likely.covariance else { return };
-        for of_group in &moved {
-            covariance.gemm(1.0, &of_group[step], &of_group[step].transpose(), 1.0);
-        }
+        let n_state = covariance.nrows();
+        let by_all = moved.iter().flat_map(|moved| {
+            moved.column_iter().map(|column| column.rows(step * n_state, n_state).into_owned())
+        });
+        let by_all = DMatrix::from_columns(&by_all.collect::<Vec<_>>());
+        *covariance += Triangle::of_product(&by_all, &by_all.transpose()).symmetric();
     });
 }
 
-/// The eliminated steps' lower factor's inverse times some columns of every step.
-fn forward(eliminated: &[Eliminated], columns: impl Iterator<Item = DMatrix<f64>>) -> Vec<DMatrix<f64>> {
-    let mut solved: Vec<DMatrix<f64>> = Vec::with_capacity(eliminated.len());
-    for (step, mut own) in columns.enumerate() {
-        if let Some(before) = step.checked_sub(1)
-            && let Some(to_next) = &eliminated[before].to_next
-        {
-            own.gemm(1.0, &to_next.transpose(), &solved[before], 1.0);
+/// The eliminated steps' lower factor's inverse times some of the constants' columns, one step below the other.
+fn forward(
+    eliminated: &[Eliminated],
+    with_air: &[DMatrix<f64>],
+    constants: &Range<usize>,
+) -> DMatrix<f64> {
+    let n = with_air.first().map_or(0, DMatrix::nrows);
+    let mut solved = DMatrix::zeros(n * eliminated.len(), constants.len());
+    let mut before: Option<&DMatrix<f64>> = None;
+    for (step, (of_step, with_air)) in eliminated.iter().zip(with_air).enumerate() {
+        let mut own = with_air.columns_range(constants.clone()).into_owned();
+        if let Some(to_this) = before {
+            own.gemm(1.0, &to_this.transpose(), &solved.rows_range((step - 1) * n..step * n), 1.0);
         }
-        solved.push(eliminated[step].lower.solve(&own));
+        solved.rows_range_mut(step * n..(step + 1) * n).gemm(1.0, &of_step.unmixed.matrix(), &own, 0.0);
+        before = of_step.to_next.as_ref();
     }
     solved
 }
 
-/// The inverse of that factor, turned, times some columns of every step.
-fn backward(eliminated: &[Eliminated], mut columns: Vec<DMatrix<f64>>) -> Vec<DMatrix<f64>> {
-    for step in (0..columns.len()).rev() {
-        if let Some(to_next) = &eliminated[step].to_next {
-            let (own, after) = columns.split_at_mut(step + 1);
-            own[step].gemm(1.0, to_next, &after[0], 1.0);
+/// The inverse of that factor, turned, times some columns, one step below the other, in their place.
+fn backward(eliminated: &[Eliminated], columns: &mut DMatrix<f64>) {
+    let n = columns.nrows() / eliminated.len().max(1);
+    for (step, of_step) in eliminated.iter().enumerate().rev() {
+        let mut own = columns.rows_range(step * n..(step + 1) * n).into_owned();
+        if let Some(to_next) = &of_step.to_next {
+            own.gemm(1.0, to_next, &columns.rows_range((step + 1) * n..(step + 2) * n), 1.0);
         }
-        columns[step] = eliminated[step].lower.solve_turned(&columns[step]);
+        let turned = of_step.unmixed.matrix().transpose();
+        columns.rows_range_mut(step * n..(step + 1) * n).gemm(1.0, &turned, &own, 0.0);
     }
-    columns
 }
 
 #[cfg(test)]
@@ -316,12 +329,10 @@ mod tests {
     /// least squares solved as one dense system.
     #[test]
     fn it_is_the_dense_answer() {
-        let carried = || {
-            Carried::new(
-                DMatrix::from_row_slice(2, 2, &[0.7, 0.2, -0.1, 0.5]),
-                DMatrix::from_row_slice(2, 2, &[3.0, 0.4, 0.4, 2.0]),
-            )
-        };
+        let carried_by = DMatrix::from_row_slice(2, 2, &[0.7, 0.2, -0.1, 0.5]);
+        let carried_fresh = DMatrix::from_row_slice(2, 2, &[3.0, 0.4, 0.4, 2.0]);
+        let unmixed = inverse_factor(&carried_fresh.clone().try_inverse().unwrap()).unwrap();
+        let carried = |_| Carried::new(&carried_by, &unmixed);
         let wander = Wander {
             keeps: DVector::from_vec(vec![0.0, 0.0, 0.8]),
             fresh: DVector::from_vec(vec![0.0, 0.0, 2.0]),
@@ -339,9 +350,9 @@ mod tests {
         };
         let said = [said(0.0), said(1.0), said(2.0)];
         let mut by = DMatrix::from_diagonal(&wander.keeps);
-        by.view_mut((0, 0), (2, 2)).copy_from(&carried().by);
+        by.view_mut((0, 0), (2, 2)).copy_from(&carried_by);
         let mut fresh = DMatrix::from_diagonal(&wander.fresh);
-        fresh.view_mut((0, 0), (2, 2)).copy_from(&carried().fresh);
+        fresh.view_mut((0, 0), (2, 2)).copy_from(&carried_fresh);
         let drift = &wander.mean - &by * &wander.mean;
         let n_constants = CONSTANTS_TOGETHER + 5;
         let n = 9 + n_constants;
@@ -388,7 +399,7 @@ mod tests {
         let means_off = &covariance * means_off;
         let covariance = covariance + &means_off * means_off.transpose();
         let Some((found, found_constants)) =
-            most_likely(&wander, |_| carried(), said.into(), Some(beside), true)
+            most_likely(&wander, carried, said.into(), Some(beside), true)
         else {
             panic!("expected an answer")
         };
