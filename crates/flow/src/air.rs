@@ -1,5 +1,5 @@
 use crate::{Stream, StreamAt, StreamNow, SwirlModes};
-use nalgebra::{DMatrix, DVector, Matrix3};
+use nalgebra::{DMatrix, DVector, DVectorView, Matrix3};
 use tousle_core::Vec3;
 
 /// The air round a head over time: a stream and swirls, with how sure they are.
@@ -104,8 +104,8 @@ pub struct WindAt {
 #[derive(Clone, Debug, PartialEq)]
 pub struct AirPlace {
     stream: StreamAt,
-    /// As [`SwirlModes::at`] gives them.
-    shapes: Vec<f64>,
+    /// As [`SwirlModes::at`] gives them; `None` where no mode reaches.
+    shapes: Option<Vec<f64>>,
 }
 
 impl AirFlow {
@@ -148,7 +148,10 @@ impl AirFlow {
 
     /// The wind at a point of head space at a step.
     pub fn at(&self, step: usize, point_m: Vec3) -> WindAt {
-        self.wind_at(&self.stream.at(point_m), step, &self.now(step), point_m)
+        let (stream, now, shapes) = (self.stream.at(point_m), self.now(step), self.shapes(point_m));
+        let mut change = vec![0.0; 3 * (self.modes.n_modes() + N_STREAM)];
+        let (velocity, strength_mps) = self.wind_of(&stream, &shapes, step, &now, &mut change);
+        WindAt { velocity, change, left_out_mps: strength_mps * left_out(&shapes) }
     }
 
     /// The stream at a step.
@@ -157,17 +160,30 @@ impl AirFlow {
         self.stream.now(state.outside(), &state.fans, state.wake(), state.layer_m())
     }
 
-    /// The wind at a step and a point whose stream is known, as is that of the step.
-    pub fn wind_at(&self, stream: &StreamAt, step: usize, now: &StreamNow, point_m: Vec3) -> WindAt {
-        let mut shapes = vec![0.0; 3 * self.modes.n_modes()];
-        self.modes.at(point_m, &mut shapes);
-        let mut change = vec![0.0; 3 * (self.modes.n_modes() + N_STREAM)];
-        let (velocity, left_out_mps) = self.wind_of(stream, &shapes, step, now, &mut change);
-        WindAt { velocity, change, left_out_mps }
+    /// The velocity at a step and a point whose stream is known, as is that of the step. How it changes is written to `change`, as in
+    /// [`WindAt`].
+    ///
+    /// # Panics
+    /// If `change` is not three times as long as a state.
+    pub fn wind_at(
+        &self,
+        stream: &StreamAt,
+        step: usize,
+        now: &StreamNow,
+        point_m: Vec3,
+        change: &mut [f64],
+    ) -> Vec3 {
+        self.wind_of(stream, &self.shapes(point_m), step, now, change).0
     }
 
-    /// The velocity where stream and shapes are known, what the swirls that no mode carries may add to it, and how it changes,
-    /// written to `change`, all as in [`WindAt`].
+    fn shapes(&self, point_m: Vec3) -> Vec<f64> {
+        let mut shapes = vec![0.0; 3 * self.modes.n_modes()];
+        self.modes.at(point_m, &mut shapes);
+        shapes
+    }
+
+    /// The velocity where stream and shapes are known, and how strong swirls are there, m/s. How the velocity changes is written to
+    /// `change`, as in [`WindAt`].
     fn wind_of(
         &self,
         stream: &StreamAt,
@@ -178,24 +194,23 @@ impl AirFlow {
     ) -> (Vec3, f64) {
         let (state, n_modes) = (&self.states[step], self.modes.n_modes());
         let n = n_modes + N_STREAM;
+        assert_eq!(change.len(), 3 * n, "a number for each of a state and each component");
         let wind = stream.wind(now);
         let mut velocity = wind.velocity;
-        let mut carried = 0.0;
-        let scale = state.swirl_mps * wind.layer;
+        let strength_mps = state.swirl_mps * wind.layer;
+        let coefficients = state.values.rows(0, n_modes);
         for axis in 0..3 {
+            let shapes = &shapes[axis * n_modes..(axis + 1) * n_modes];
             let row = &mut change[axis * n..(axis + 1) * n];
-            for (j, shape) in shapes[axis * n_modes..(axis + 1) * n_modes].iter().enumerate() {
-                row[j] = scale * shape;
-                velocity[axis] += row[j] * state.values[j];
-                carried += shape * shape;
-            }
+            row.iter_mut().zip(shapes).for_each(|(change, shape)| *change = strength_mps * shape);
+            velocity[axis] += strength_mps * coefficients.dot(&DVectorView::from_slice(shapes, n_modes));
             for c in 0..3 {
                 row[n_modes + c] = wind.by_outside[(axis, c)];
             }
             row[n_modes + 3] = wind.by_wake[axis];
             row[n_modes + 4] = wind.by_log_layer[axis];
         }
-        (velocity, scale * f64::max(1.0 - carried / 3.0, 0.0).sqrt())
+        (velocity, strength_mps)
     }
 
     /// The covariance of the wind, (m/s)², at each of many points of one step. All at once is several times as quick as
@@ -223,29 +238,72 @@ impl AirFlow {
 
     /// A point, ready to be asked for the spread of any step.
     pub fn place(&self, point_m: Vec3) -> AirPlace {
-        let mut shapes = vec![0.0; 3 * self.modes.n_modes()];
-        self.modes.at(point_m, &mut shapes);
+        let shapes = self.modes.place(point_m).map(|_| self.shapes(point_m));
         AirPlace { stream: self.stream.at(point_m), shapes }
     }
 
     /// The standard deviation of the wind at a step at many places, m/s a component: of each place one.
     pub fn spreads_mps(&self, step: usize, places: &[AirPlace]) -> Vec<f64> {
-        let (now, n) = (self.now(step), self.modes.n_modes() + N_STREAM);
-        let mut changes = DMatrix::zeros(n, 3 * places.len());
-        let of_places = places.iter().zip(changes.as_mut_slice().chunks_exact_mut(3 * n));
-        let wind = |(place, change): (&AirPlace, &mut [f64])| {
-            self.wind_of(&place.stream, &place.shapes, step, &now, change).1
+        let (now, n_modes) = (self.now(step), self.modes.n_modes());
+        let n = n_modes + N_STREAM;
+        let covariance = self.states[step].covariance.as_ref();
+        let reached: Vec<_> =
+            places.iter().filter_map(|place| Some((&place.stream, place.shapes.as_ref()?))).collect();
+        let mut changes = DMatrix::zeros(n, 3 * reached.len());
+        let of_places = reached.iter().zip(changes.as_mut_slice().chunks_exact_mut(3 * n));
+        let left_out = |((stream, shapes), change): (&(&StreamAt, &Vec<f64>), &mut [f64])| {
+            let left_out_mps = self.wind_of(stream, shapes, step, &now, change).1 * left_out(shapes);
+            3.0 * left_out_mps * left_out_mps
         };
-        let left_out_mps: Vec<f64> = of_places.map(wind).collect();
-        let spread = self.spread(step, &changes);
-        let of_place = |(place, left_out_mps): (usize, &f64)| {
-            let variance = |k: usize| {
-                changes.column(3 * place + k).dot(&spread.column(3 * place + k)) + left_out_mps * left_out_mps
+        let left_out: Vec<f64> = of_places.map(left_out).collect();
+        let told = covariance.map_or_else(|| vec![0.0; changes.ncols()], |spread| forms(spread, &changes));
+        let mut of_reached = told.chunks_exact(3).zip(&left_out).map(|(told, left)| told.iter().sum::<f64>() + left);
+        // Where no mode reaches the stream alone is unknown, and all swirls are.
+        let of_stream = covariance.map(|spread| spread.fixed_view::<N_STREAM, N_STREAM>(n_modes, n_modes));
+        let swirl_mps = self.states[step].swirl_mps;
+        let of_place = |place: &AirPlace| {
+            let variance = match &place.shapes {
+                Some(_) => of_reached.next().unwrap_or(f64::NAN),
+                None => {
+                    let wind = place.stream.wind(&now);
+                    let left_out_mps = swirl_mps * wind.layer;
+                    let told = of_stream.map_or(0.0, |spread| {
+                        let by = wind.change();
+                        (by * spread * by.transpose()).trace()
+                    });
+                    told + 3.0 * left_out_mps * left_out_mps
+                }
             };
-            f64::max((variance(0) + variance(1) + variance(2)) / 3.0, 0.0).sqrt()
+            f64::max(variance / 3.0, 0.0).sqrt()
         };
-        left_out_mps.iter().enumerate().map(of_place).collect()
+        places.iter().map(of_place).collect()
     }
+}
+
+/// The share of swirls that no mode carries at a point of such shapes.
+fn left_out(shapes: &[f64]) -> f64 {
+    let carried = DVectorView::from_slice(shapes, shapes.len()).norm_squared();
+    f64::max(1.0 - carried / 3.0, 0.0).sqrt()
+}
+
+/// Rows of a symmetric matrix that are multiplied at once.
+const BAND: usize = 32;
+
+/// For each column c of many, cᵀ S c, of a symmetric S, of which half is read.
+fn forms(symmetric: &DMatrix<f64>, columns: &DMatrix<f64>) -> Vec<f64> {
+    let (n, mut sums) = (symmetric.nrows(), vec![0.0; columns.ncols()]);
+    for first in (0..n).step_by(BAND) {
+        let band = first..(first + BAND).min(n);
+        let own = columns.rows_range(band.clone());
+        // What is beside the diagonal counts twice.
+        let beside = symmetric.view_range(band.clone(), band.end..);
+        let mut spread = symmetric.view_range(band.clone(), band.clone()) * own;
+        spread.gemm(2.0, &beside, &columns.rows_range(band.end..), 1.0);
+        for ((sum, own), spread) in sums.iter_mut().zip(own.column_iter()).zip(spread.column_iter()) {
+            *sum += own.dot(&spread);
+        }
+    }
+    sums
 }
 
 #[cfg(test)]

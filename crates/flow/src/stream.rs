@@ -1,6 +1,6 @@
 use crate::PotentialFlow;
 use crate::shelter::{Lee, distance_m, layer};
-use nalgebra::{DMatrix, Matrix3};
+use nalgebra::{DMatrix, Matrix3, Matrix3x5};
 use tousle_core::{Attachment, Body, Shape, Vec3};
 
 /// How the wind far away becomes the wind near a head.
@@ -148,6 +148,14 @@ pub struct StreamWind {
     pub by_wake: Vec3,
     /// Its change with the logarithm of the layer's thickness, m/s.
     pub by_log_layer: Vec3,
+}
+
+impl StreamWind {
+    /// Its change with all that it hangs on: a column for each.
+    pub(crate) fn change(&self) -> Matrix3x5<f64> {
+        let [x, y, z] = [0, 1, 2].map(|c| self.by_outside.column(c).into_owned());
+        Matrix3x5::from_columns(&[x, y, z, self.by_wake, self.by_log_layer])
+    }
 }
 
 impl StreamAt {

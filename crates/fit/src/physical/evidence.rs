@@ -5,7 +5,7 @@ use super::lock::SeenLock;
 use super::moments::{Balance, DragSlope, Imbalance};
 use super::noise;
 use super::triangle::Triangle;
-use nalgebra::{DMatrix, DMatrixViewMut, DVector};
+use nalgebra::{DMatrix, DVector};
 use tousle_core::{STANDARD_GRAVITY, Vec3};
 use tousle_flow::{AirFlow, Stream, StreamAt, StreamNow};
 use tousle_rod::Surface;
@@ -82,8 +82,8 @@ pub(crate) struct Evidence {
 
 impl Station {
     /// What the lock says if the air is about as in `air`, whose stream at the lock's step is `now`; `None` if it can say nothing (a number is not finite).
-    /// `friction` is the body's. How the wind at its places changes with the state of the air is written to `winds_by_state`, a column
-    /// for each number of each.
+    /// `friction` is the body's. How the wind at its places changes with the state of the air is written to `winds_by_state`,
+    /// component by component, place by place.
     pub(crate) fn evidence(
         &self,
         balance: &Balance<'_>,
@@ -91,7 +91,7 @@ impl Station {
         now: &StreamNow,
         slope: DragSlope,
         friction: f64,
-        winds_by_state: DMatrixViewMut<'_, f64>,
+        winds_by_state: &mut [f64],
     ) -> Option<Evidence> {
         let out = self.imbalance(balance, air, now, slope, winds_by_state);
         let lower = self.lower.as_ref()?;
@@ -123,8 +123,8 @@ impl Station {
         air: &AirFlow,
         now: &StreamNow,
     ) -> Option<DVector<f64>> {
-        let mut unasked = DMatrix::zeros(air.states[balance.step].values.len(), 3 * self.points_m.len());
-        let out = self.imbalance(balance, air, now, DragSlope::Tangent, unasked.as_view_mut());
+        let mut unasked = vec![0.0; 3 * self.points_m.len() * air.states[balance.step].values.len()];
+        let out = self.imbalance(balance, air, now, DragSlope::Tangent, &mut unasked);
         let lower = self.lower.as_ref()?;
         let white = lower.solve_column(&out.moments);
         Some(lower.times(&contact::less_pushes(&white, &self.of_pushes, weight_n(balance.seen))))
@@ -137,7 +137,7 @@ impl Station {
         air: &AirFlow,
         now: &StreamNow,
         slope: DragSlope,
-        winds_by_state: DMatrixViewMut<'_, f64>,
+        winds_by_state: &mut [f64],
     ) -> Imbalance {
         let seen = balance.seen;
         let winds = self.winds(air, now, balance.step, winds_by_state);
@@ -150,23 +150,19 @@ impl Station {
         balance.imbalance(&at_middles, slope)
     }
 
-    /// The wind at the places. Its change with the state is written to `by_state`: three columns a place.
+    /// The wind at the places. Its change with the state is written to `by_state`, component by component, place by place.
     fn winds(
         &self,
         air: &AirFlow,
         now: &StreamNow,
         step: usize,
-        mut by_state: DMatrixViewMut<'_, f64>,
+        by_state: &mut [f64],
     ) -> Vec<Vec3> {
-        let n = by_state.nrows();
-        let wind = |(p, (point_m, stream)): (usize, (&Vec3, &StreamAt))| {
-            let wind = air.wind_at(stream, step, now, *point_m);
-            for axis in 0..3 {
-                by_state.column_mut(3 * p + axis).copy_from_slice(&wind.change[axis * n..(axis + 1) * n]);
-            }
-            wind.velocity
+        let changes = by_state.chunks_exact_mut(3 * air.states[step].values.len());
+        let wind = |((point_m, stream), change): ((&Vec3, &StreamAt), &mut [f64])| {
+            air.wind_at(stream, step, now, *point_m, change)
         };
-        self.points_m.iter().zip(&self.streams).enumerate().map(wind).collect()
+        self.points_m.iter().zip(&self.streams).zip(changes).map(wind).collect()
     }
 }
 

@@ -3,7 +3,7 @@
 use super::constants::ConstantsSaid;
 use super::triangle::{Triangle, inverse_factor};
 use core::ops::Range;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// What is likely before anything is measured: the first numbers are carried over from step to step, each of the others wanders
@@ -226,8 +226,9 @@ fn with_constants(
             block -= product;
         }
     }
-    let factor = information.cholesky()?;
-    let constants = DMatrix::from_columns(&[factor.solve(&vector)]);
+    let unmixed = inverse_factor(&information)?;
+    let solved = |columns: &DMatrix<f64>| unmixed.transpose() * (&unmixed * columns);
+    let constants = solved(&DMatrix::from_columns(&[vector]));
     let n_state = likely.first()?.state.len();
     // How far constants, a column for each choice of them, move the states, one step below the other; those that no row is given for
     // are zero.
@@ -244,27 +245,26 @@ fn with_constants(
         likely.state -= moved.column(0).rows(step * n_state, n_state);
     }
     if let Some(means_off) = means_off {
-        add_unknown(likely, &groups, &factor, &means_off, moved_by);
+        add_unknown(likely, &groups, &unmixed, &solved(&means_off), moved_by);
     }
     Some(constants.column(0).into_owned())
 }
 
-/// Adds to the states' covariances what comes of the constants' own, of whose information `factor` is one, and of what is held of
-/// them. `moved_by` tells how far constants move the states, one step below the other.
+/// Adds to the states' covariances what comes of the constants' own, of whose information `unmixed` is the inverse of a lower factor,
+/// and of what is held of them, which moves them by `means_off`. `moved_by` tells how far constants move the states, one step below the
+/// other.
 fn add_unknown(
     likely: &mut [Likely],
     groups: &[Range<usize>],
-    factor: &Cholesky<f64, Dyn>,
+    unmixed: &DMatrix<f64>,
     means_off: &DMatrix<f64>,
     moved_by: impl Fn(&DMatrix<f64>) -> DMatrix<f64> + Sync,
 ) {
-    let n = factor.l_dirty().nrows();
-    let inverse = Triangle::of(factor.l_dirty()).solve(&DMatrix::identity(n, n));
     // Independent unknowns of variance 1 in place of the constants: lower triangular, each hangs on those before it.
     let of_group =
-        |group: &Range<usize>| moved_by(&inverse.view_range(group.clone(), ..group.end).transpose());
+        |group: &Range<usize>| moved_by(&unmixed.view_range(group.clone(), ..group.end).transpose());
     let mut moved: Vec<DMatrix<f64>> = groups.par_iter().map(of_group).collect();
-    moved.push(moved_by(&factor.solve(means_off)));
+    moved.push(moved_by(means_off));
     likely.par_iter_mut().enumerate().for_each(|(step, likely)| {
         let Some(covariance) = &mut likely.covariance else { return };
         let n_state = covariance.nrows();

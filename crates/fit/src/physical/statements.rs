@@ -158,7 +158,8 @@ impl Statements {
         for (lock, span) in said.spans.iter().enumerate() {
             let balance = around.balance(problem, lock, step);
             let station = &around.stations[step][lock];
-            let by_state = said.by_state.columns_range_mut(span.winds.clone());
+            let n = values.len();
+            let by_state = &mut said.by_state.as_mut_slice()[span.winds.start * n..span.winds.end * n];
             let evidence =
                 station.evidence(&balance, air, &now, slope, problem.session.body.friction, by_state);
             let Some(Evidence { moments, by_wind, by_constants, weight, n_pushing }) = evidence else {
