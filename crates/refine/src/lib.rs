@@ -79,7 +79,7 @@ pub struct Refined {
 }
 
 /// What lays a wind on a grid.
-pub type Lay<'a> = dyn Fn(&Fit, &GridSpec) -> Result<FieldSequence, Box<dyn Error + Send + Sync>> + 'a;
+pub type Lay<'a> = dyn Fn(&Fit, &GridSpec) -> Result<FieldSequence, Box<dyn Error + Send + Sync>> + Sync + 'a;
 
 /// Why a wind cannot be refined.
 #[derive(Debug, thiserror::Error)]

@@ -7,7 +7,8 @@ use crate::wig::{capture, simulated, with_scales};
 use crate::{Lay, Measured, RefineError};
 use tousle_core::{HeadCapture, NoProgress, Track};
 use tousle_field::FieldSequence;
-use tousle_fit::{Defects, Fit, Scales, Taught, Wig};
+use tousle_fit::{Defects, Fit, FitMethod, Scales, Taught, Wig};
+use tousle_flow::AirFlow;
 
 /// What stays the same from round to round.
 pub(crate) struct Loop<'a> {
@@ -24,6 +25,9 @@ pub(crate) struct Turn {
     pub(crate) likely: Stiffness,
     scales: Vec<Scales>,
 }
+
+/// The most modes in which the first wind is measured.
+const FIRST_MODES: usize = 60;
 
 impl Loop<'_> {
     /// Whether the locks were seen at rest.
@@ -46,24 +50,29 @@ impl Loop<'_> {
     pub(crate) fn again(
         &self,
         turn: &Turn,
-        mut compared: Compared,
+        compared: Compared,
         held_out: &[usize],
     ) -> Result<Turn, RefineError> {
-        let scales = self.learnt(turn, &compared, held_out)?;
-        compared.field.steps.clear();
-        let mut taught = Taught { scales, stiffness_spread: turn.likely.spread, ..Taught::default() };
-        if let Some(air) = &turn.fit.air {
-            taught.defects = self.defects(turn, &compared)?;
-            taught.air = Some(air.without_covariances());
-        }
+        let (scales, defects) =
+            rayon::join(|| self.learnt(turn, &compared, held_out), || self.defects(turn, &compared));
+        let taught = Taught {
+            scales: scales?,
+            stiffness_spread: turn.likely.spread,
+            defects: defects?,
+            air: turn.fit.air.as_ref().map(AirFlow::without_covariances),
+        };
         drop(compared);
         Ok(Turn { fit: self.measured.fit(&taught, held_out)?, scales: taught.scales, likely: turn.likely })
     }
 
-    /// The wind to begin with, at [`ROUGH_RATE_HZ`] at most: what is learnt from it for the next one changes slowly.
+    /// The wind to begin with, at [`ROUGH_RATE_HZ`] and in [`FIRST_MODES`] at most: what is learnt from it for the next one changes
+    /// slowly, and less than the wind itself.
     pub(crate) fn first(&self, sought: &Sought, held_out: &[usize]) -> Result<Turn, RefineError> {
         let mut options = self.measured.options.clone();
         options.rate_hz = options.rate_hz.min(ROUGH_RATE_HZ);
+        if let FitMethod::Physical(physical) = &mut options.method {
+            physical.max_modes = physical.max_modes.min(FIRST_MODES);
+        }
         let measured = Measured { options: &options, ..*self.measured };
         Loop { measured: &measured, ..*self }.with_stiffness(
             sought.likely(),
@@ -113,15 +122,17 @@ impl Loop<'_> {
     ) -> Result<Vec<Scales>, RefineError> {
         let mut now = turn.scales.clone();
         now.resize(self.n_locks(), turn.likely.scales());
-        let answer = |change: &dyn Fn(&Scales) -> Scales| -> Result<_, RefineError> {
+        let answer = |change: &(dyn Fn(&Scales) -> Scales + Sync)| -> Result<_, RefineError> {
             let changed: Vec<Scales> = now.iter().map(change).collect();
             let groom = with_scales(self.wig, &changed);
             simulated(self.wig, &groom, &compared.field, self.measured)
         };
-        let stiffer =
-            answer(&|s| Scales { stiffness: s.stiffness * libm::exp(crate::learn::TRIED[0]), ..*s })?;
-        let wider = answer(&|s| Scales { drag: s.drag * libm::exp(crate::learn::TRIED[1]), ..*s })?;
-        Ok(learn(self.measured, turn.likely.scales(), &now, compared, [&stiffer, &wider], held_out))
+        let [times_stiffer, times_wider] = crate::learn::TRIED.map(libm::exp);
+        let (stiffer, wider) = rayon::join(
+            || answer(&|s| Scales { stiffness: s.stiffness * times_stiffer, ..*s }),
+            || answer(&|s| Scales { drag: s.drag * times_wider, ..*s }),
+        );
+        Ok(learn(self.measured, turn.likely.scales(), &now, compared, [&stiffer?, &wider?], held_out))
     }
 
     fn lay(&self, fit: &Fit) -> Result<FieldSequence, RefineError> {
