@@ -7,13 +7,15 @@
 //! *Invariant:* nothing here knows hair, markers or a grid of voxels.
 
 mod air;
+mod during;
 mod exponential;
 mod potential;
 mod shelter;
 mod stream;
 mod swirl;
 
+pub use during::{AirPoint, AirSteps, STEPS_AT_ONCE};
 pub use air::{AirFlow, AirPlace, AirState, N_STREAM, WindAt};
 pub use potential::PotentialFlow;
 pub use stream::{Stream, StreamAt, StreamNow, StreamPart, StreamWind, stream_parts};
-pub use swirl::{SwirlFlows, SwirlKernel, SwirlModes, SwirlPlace};
+pub use swirl::{SwirlKernel, SwirlModes, SwirlPlace};

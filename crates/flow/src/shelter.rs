@@ -5,8 +5,10 @@
 //! distance as (1 + x/2R)^(−2/3), the law of a round body's far wake (Schlichting, "Boundary-Layer Theory", on wakes). A real
 //! head's layer and wake are neither as simple nor steady: what the hair says corrects them.
 
+use crate::during::Row;
 use crate::exponential::{cbrt, exp};
 use tousle_core::Vec3;
+use tousle_lanes::{Lane, Vector, fade};
 
 /// The distance of a point from an ellipsoid's surface, to first order, m; not above 0 inside.
 pub(crate) fn distance_m(half_axes_m: Vec3, from_center_m: Vec3) -> f64 {
@@ -68,6 +70,67 @@ impl Lee {
             return 0.0;
         }
         smooth_step(along / self.half_length_m) / (fade * fade) * exp(-across2 / width2)
+    }
+}
+
+/// Lees of several steps: of numbers side by side, or rows of them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LeeLanes<T> {
+    direction: [T; 3],
+    half_length_m: T,
+    /// One over the half length, over the square of the radius, and over twice it.
+    per_half_length: T,
+    per_radius2: T,
+    per_width: T,
+}
+
+impl LeeLanes<Row> {
+    /// That of each step; `None` where there is none, which shelters nothing.
+    pub(crate) fn of<'a>(lee: impl Fn(usize) -> Option<&'a Lee>) -> Self {
+        let row = |number: &dyn Fn(&Lee) -> f64| -> Row {
+            core::array::from_fn(|step| lee(step).map_or(0.0, |lee| number(lee) as f32))
+        };
+        Self {
+            direction: [0, 1, 2].map(|axis| row(&|lee| lee.direction[axis])),
+            half_length_m: row(&|lee| lee.half_length_m),
+            per_half_length: row(&|lee| 1.0 / lee.half_length_m),
+            per_radius2: row(&|lee| 1.0 / (lee.radius_m * lee.radius_m)),
+            per_width: row(&|lee| 0.5 / lee.radius_m),
+        }
+    }
+
+    /// Some of the steps' side by side, beside a number that there is.
+    pub(crate) fn lanes<L: Lane>(&self, like: L, from: usize) -> LeeLanes<L> {
+        let lanes = |row: &Row| like.of_single(&row[from..from + L::N]);
+        LeeLanes {
+            direction: [0, 1, 2].map(|axis| lanes(&self.direction[axis])),
+            half_length_m: lanes(&self.half_length_m),
+            per_half_length: lanes(&self.per_half_length),
+            per_radius2: lanes(&self.per_radius2),
+            per_width: lanes(&self.per_width),
+        }
+    }
+}
+
+impl<L: Lane> LeeLanes<L> {
+    /// As [`Lee::share`]; `None` if all are 0.
+    #[inline(always)]
+    pub(crate) fn share(&self, from_center: Vector<L>) -> Option<L> {
+        let [x, y, z] = self.direction;
+        let direction = Vector::new(x, y, z);
+        let along = from_center.dot(direction);
+        let [none, one] = [0.0, 1.0].map(|number| along.same(number));
+        if !along.any_above(none) {
+            return None;
+        }
+        let across2 = direction.mul_add(-along, from_center).norm_squared();
+        let behind = (along - self.half_length_m).max(none) * self.per_width;
+        let fades = (one + behind).cbrt();
+        let per_fades2 = one / (fades * fades);
+        let bell = one + fade(across2 * self.per_radius2 * per_fades2);
+        let rises = (along * self.per_half_length).min(one);
+        let rises = rises * rises * (along.same(3.0) - rises - rises);
+        Some(along.above(none, rises * per_fades2 * bell, none))
     }
 }
 

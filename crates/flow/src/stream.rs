@@ -15,39 +15,39 @@ pub struct Stream {
 pub struct StreamAt {
     /// Turns the wind far away into that of a frictionless flow.
     pub potential: Matrix3<f64>,
-    near: Option<NearHead>,
+    pub(crate) near: Option<NearHead>,
 }
 
 /// Where a point is, seen from the head.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct NearHead {
-    from_center_m: Vec3,
+pub(crate) struct NearHead {
+    pub(crate) from_center_m: Vec3,
     /// From its surface; 0 inside.
-    distance_m: f64,
+    pub(crate) distance_m: f64,
 }
 
 /// A [`Stream`] at one time, ready to be read at many points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StreamNow {
     /// The wind far away, m/s.
-    outside: Vec3,
+    pub(crate) outside: Vec3,
     /// The wakes' strength.
-    wake: f64,
+    pub(crate) wake: f64,
     /// The thickness of the layer at the scalp, m.
-    layer_m: f64,
+    pub(crate) layer_m: f64,
     /// The parts of the wind far away.
-    parts: Vec<PartNow>,
+    pub(crate) parts: Vec<PartNow>,
 }
 
 /// A part of the wind far away at one time.
 #[derive(Clone, Debug, PartialEq)]
-struct PartNow {
+pub(crate) struct PartNow {
     /// As in [`StreamPart`].
     share: Matrix3<f64>,
     /// What it is of the wind far away, m/s.
-    wind: Vec3,
+    pub(crate) wind: Vec3,
     /// What it has behind the head.
-    lee: Lee,
+    pub(crate) lee: Lee,
 }
 
 impl Stream {
@@ -159,15 +159,7 @@ impl StreamWind {
 }
 
 impl StreamAt {
-    /// The wind at the point at a time: its velocity, m/s, and the share that the layer at the scalp leaves.
-    pub fn velocity(&self, now: &StreamNow) -> (Vec3, f64) {
-        let Some(near) = self.near else { return (self.potential * now.outside, 1.0) };
-        let layer = layer(near.distance_m, now.layer_m);
-        let taken: Vec3 = now.parts.iter().map(|part| part.wind * part.lee.share(near.from_center_m)).sum();
-        (self.potential * (now.outside - taken * now.wake) * layer, layer)
-    }
-
-    /// The same with its change. That wakes turn with the wind is left out of the derivative.
+    /// The wind at the point at a time, with its change. That wakes turn with the wind is left out of the derivative.
     pub fn wind(&self, now: &StreamNow) -> StreamWind {
         let Some(near) = self.near else {
             return StreamWind {

@@ -1,3 +1,4 @@
+use crate::during::Row;
 use crate::exponential::exp;
 use nalgebra::{DMatrix, Matrix3};
 use rayon::prelude::*;
@@ -65,13 +66,8 @@ pub struct SwirlModes {
     values: DMatrix<f64>,
 }
 
-/// Some swirling flows.
-#[derive(Clone, Debug)]
-pub struct SwirlFlows<'a> {
-    lattice: &'a Lattice,
-    /// A column for each component of each node, a row for each flow.
-    nodes: DMatrix<f64>,
-}
+/// What flows have at a node: x, y and z of each.
+pub(crate) type Node = [Row; 3];
 
 /// Where a point lies among the nodes at which modes are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,25 +76,6 @@ pub struct SwirlPlace {
     low: usize,
     /// How far it is from there to the highest, along each axis.
     share: [f64; 3],
-}
-
-impl SwirlFlows<'_> {
-    /// The velocity of each at a place; none where no mode reaches.
-    ///
-    /// # Panics
-    /// If `velocities` is not as long as there are flows.
-    pub fn at(&self, place: Option<&SwirlPlace>, velocities: &mut [Vec3]) {
-        velocities.fill(Vec3::zeros());
-        let Some(place) = place else { return };
-        for (node, weight) in self.lattice.corners(place) {
-            let of_node = self.nodes.columns(3 * node, 3);
-            for (flow, velocity) in velocities.iter_mut().enumerate() {
-                for axis in 0..3 {
-                    velocity[axis] += of_node[(flow, axis)] * weight;
-                }
-            }
-        }
-    }
 }
 
 /// A box of points.
@@ -163,13 +140,22 @@ impl SwirlModes {
         }
     }
 
-    /// The flows of given coefficients, a row each, ready to be read at many points. Many at once are several times as quick as
-    /// one after the other.
-    ///
-    /// # Panics
-    /// If there are not as many coefficients as modes.
-    pub fn flows(&self, coefficients: &DMatrix<f64>) -> SwirlFlows<'_> {
-        SwirlFlows { lattice: &self.lattice, nodes: coefficients * &self.values }
+    /// Nodes at which they are kept.
+    pub(crate) fn n_nodes(&self) -> usize {
+        self.lattice.n_nodes()
+    }
+
+    /// Every mode's x, y and z at a node.
+    pub(crate) fn at_node(&self, node: usize) -> [&[f64]; 3] {
+        let n = self.n_modes();
+        let row = |axis: usize| &self.values.as_slice()[(3 * node + axis) * n..][..n];
+        [row(0), row(1), row(2)]
+    }
+
+    /// The nodes around a place and their weights.
+    #[inline(always)]
+    pub(crate) fn corners(&self, place: &SwirlPlace) -> [(usize, f64); 8] {
+        self.lattice.corners(place)
     }
 
     /// Makes of coefficients of other modes those with which these blow like them, where these tell most of it.

@@ -12,10 +12,7 @@ use serde::Serialize;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tousle_core::{Progress, Vec3, WindSample, WindSamples};
 use tousle_field::{Field, FieldSequence, GridSpec, VoxelFlag};
-use tousle_flow::AirFlow;
-
-/// Steps that are filled at once: a thread's share of those of a second.
-const STEPS_TOGETHER: usize = 8;
+use tousle_flow::{AirFlow, STEPS_AT_ONCE};
 
 /// Which method fills the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,7 +120,7 @@ pub fn rasterize(
         (RasterMethod::Physical, None) => return Err(RasterError::NoAir),
     };
     let fill = |(part, (samples, outside)): (usize, (&[Vec<_>], &[Vec3]))| {
-        let first = part * STEPS_TOGETHER;
+        let first = part * STEPS_AT_ONCE;
         let fields: Vec<Field> = match &laid {
             None => samples.iter().zip(outside).map(|(s, outside)| paper::fill_step(&grid, s, *outside)).collect(),
             Some(voxels) => voxels.fill_steps(first..first + samples.len(), samples),
@@ -132,7 +129,7 @@ pub fn rasterize(
         progress.at(done.fetch_add(n_filled, Ordering::Relaxed) + n_filled, n_steps as u64);
         fields
     };
-    let parts = samples.steps.par_chunks(STEPS_TOGETHER).zip(outside.par_chunks(STEPS_TOGETHER));
+    let parts = samples.steps.par_chunks(STEPS_AT_ONCE).zip(outside.par_chunks(STEPS_AT_ONCE));
     let steps: Vec<Vec<Field>> = parts.enumerate().map(fill).collect();
     let steps = steps.into_iter().flatten().collect();
     let (quantity, rate_hz) = (samples.quantity, samples.rate_hz);

@@ -1,55 +1,43 @@
 use core::ops::Range;
-use nalgebra::DMatrix;
 use rayon::prelude::*;
-use tousle_core::{Vec3, WindSample};
+use tousle_core::WindSample;
 use tousle_field::{Field, GridSpec, Stencil, VoxelFlag};
-use tousle_flow::{AirFlow, AirPlace, StreamAt, SwirlPlace};
+use tousle_flow::{AirFlow, AirPlace, AirPoint};
 
 /// The voxels of a grid, ready to be given the air of any step.
 pub(crate) struct Voxels<'a> {
     grid: &'a GridSpec,
     air: &'a AirFlow,
-    /// What each voxel's center is to the air; `None` inside the head, where no air is.
-    voxels: Vec<Option<Voxel>>,
-}
-
-/// What a voxel's center is to the air.
-struct Voxel {
-    stream: StreamAt,
-    swirl: Option<SwirlPlace>,
+    /// The voxels that are not inside the head, where no air is.
+    flats: Vec<usize>,
+    /// Their centers.
+    points: Vec<AirPoint>,
 }
 
 impl<'a> Voxels<'a> {
     pub(crate) fn new(grid: &'a GridSpec, air: &'a AirFlow) -> Self {
-        let voxel = |flat| {
-            let center_m = grid.cell_center_m(grid.unflat(flat));
-            let of_air = || Voxel { stream: air.stream.at(center_m), swirl: air.modes.place(center_m) };
-            (!air.stream.is_solid(center_m)).then(of_air)
-        };
-        Self { grid, air, voxels: (0..grid.n_voxels()).into_par_iter().map(voxel).collect() }
+        let center_m = |flat| grid.cell_center_m(grid.unflat(flat));
+        let flats: Vec<usize> =
+            (0..grid.n_voxels()).filter(|flat| !air.stream.is_solid(center_m(*flat))).collect();
+        let points = flats.par_iter().map(|flat| air.point(center_m(*flat))).collect();
+        Self { grid, air, flats, points }
     }
 
     /// The air at some steps: the most likely velocity at each center, and where a marker was. `samples` are those of each.
     pub(crate) fn fill_steps(&self, steps: Range<usize>, samples: &[Vec<WindSample>]) -> Vec<Field> {
         let states = &self.air.states[steps.clone()];
-        let nows: Vec<_> = steps.clone().map(|step| self.air.now(step)).collect();
         let mut fields: Vec<Field> = states
             .iter()
             .map(|state| Field { outside: state.outside(), ..Field::still(self.grid) })
             .collect();
-        let coefficients = DMatrix::from_fn(states.len(), self.air.modes.n_modes(), |step, mode| {
-            states[step].values[mode] * states[step].swirl_mps
-        });
-        let flows = self.air.modes.flows(&coefficients);
-        let mut swirls = vec![Vec3::zeros(); states.len()];
-        for (flat, voxel) in self.voxels.iter().enumerate() {
-            let Some(voxel) = voxel else { continue };
-            flows.at(voxel.swirl.as_ref(), &mut swirls);
-            for ((field, now), swirls) in fields.iter_mut().zip(&nows).zip(&swirls) {
-                let (velocity, layer) = voxel.stream.velocity(now);
-                field.set_vector(flat, velocity + swirls * layer);
+        let n_voxels = self.grid.n_voxels();
+        self.air.during(steps).read(&self.points, |point, from, rows| {
+            let flat = self.flats[point];
+            for (axis, row) in rows.into_iter().enumerate() {
+                let fields = fields[from..].iter_mut().zip(row);
+                fields.for_each(|(field, component)| field.u[axis * n_voxels + flat] = *component);
             }
-        }
+        });
         for (field, samples) in fields.iter_mut().zip(samples) {
             for voxel in samples.iter().filter_map(|sample| self.grid.voxel_at(sample.position_m)) {
                 field.flags[self.grid.flat(voxel)] = VoxelFlag::Measured;
