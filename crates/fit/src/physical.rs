@@ -55,6 +55,8 @@ pub struct PhysicalOptions {
     pub stiffness_known: bool,
     /// Whether each lock may be off by itself, for the whole capture, in stiffness, drag and natural shape.
     pub locks_differ: bool,
+    /// Whether it is said how sure the wind is; else it counts as if it were known.
+    pub says_how_sure: bool,
 }
 
 impl Default for PhysicalOptions {
@@ -68,6 +70,7 @@ impl Default for PhysicalOptions {
             fleeting_share: 0.5,
             stiffness_known: true,
             locks_differ: true,
+            says_how_sure: true,
         }
     }
 }

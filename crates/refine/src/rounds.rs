@@ -72,6 +72,7 @@ impl Loop<'_> {
         options.rate_hz = options.rate_hz.min(ROUGH_RATE_HZ);
         if let FitMethod::Physical(physical) = &mut options.method {
             physical.max_modes = physical.max_modes.min(FIRST_MODES);
+            physical.says_how_sure = false;
         }
         let measured = Measured { options: &options, ..*self.measured };
         Loop { measured: &measured, ..*self }.with_stiffness(

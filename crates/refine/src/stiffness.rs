@@ -104,6 +104,7 @@ fn roughly(options: &FitOptions) -> FitOptions {
         physical.bend_error_rad = BEND_ERROR_RAD;
         // Bends that may be off by themselves take a share of what a wig is stiffer by.
         physical.locks_differ = false;
+        physical.says_how_sure = false;
     }
     roughly
 }

@@ -90,7 +90,8 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Result<So
             if round == 0 && known.is_none() { DragSlope::Secant(GUESS_MPS) } else { DragSlope::Tangent };
         said = ask(problem, &surroundings, &air, slope);
         let sureness = match rounds - 1 - round {
-            0 => Sureness::OfAll,
+            0 if problem.options.says_how_sure => Sureness::OfAll,
+            0 => Sureness::Unasked,
             1 => Sureness::OfAir,
             _ => Sureness::Unasked,
         };
@@ -99,7 +100,7 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Result<So
         }
         surroundings.constants = step_states(problem, &fan_wind, &mut air, &mut said, sureness)
             .ok_or(FitError::NoSolution { round: round + 1, n_rounds: rounds })?;
-        if sureness != Sureness::OfAll {
+        if round + 1 < rounds {
             if sureness == Sureness::OfAir {
                 air.swirl_share = learnt_share(&air);
             }
