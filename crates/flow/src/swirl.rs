@@ -57,6 +57,7 @@ impl SwirlKernel {
 /// Cholesky decomposition", 2012); a mode is what a component adds. They are kept on a lattice and read linearly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SwirlModes {
+    near: Near,
     kernel: SwirlKernel,
     pivots: Vec<(Vec3, usize)>,
     /// Takes velocities at the pivots apart into modes: the inverse of the lower factor of their covariance.
@@ -68,6 +69,14 @@ pub struct SwirlModes {
 
 /// What flows have at a node: x, y and z of each.
 pub(crate) type Node = [Row; 3];
+
+/// What modes were asked for, beside the kernel.
+#[derive(Clone, Debug, PartialEq)]
+struct Near {
+    points_m: Vec<Vec3>,
+    max_modes: usize,
+    reach_m: f64,
+}
 
 /// Where a point lies among the nodes at which modes are known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,16 +111,23 @@ impl SwirlModes {
         let n = pivots.len();
         let unmixed = factor.solve_lower_triangular(&DMatrix::identity(n, n)).unwrap_or(factor);
         let lattice = Lattice::around(points_m, reach_m, LATTICE_SHARE * LESSER * kernel.length_m);
-        let mut modes = Self { kernel, pivots, unmixed, lattice, values: DMatrix::zeros(n, 0) };
-        let nodes: Vec<usize> = (0..modes.lattice.n_nodes()).collect();
-        let of_nodes = |nodes: &[usize]| {
-            let points_m: Vec<Vec3> = nodes.iter().map(|node| modes.lattice.place(*node)).collect();
-            modes.exact(&points_m)
-        };
-        let values: Vec<_> = nodes.par_chunks(NODES_TOGETHER).map(of_nodes).collect();
-        let numbers = values.iter().flat_map(|of_nodes| of_nodes.as_slice().iter().copied());
-        modes.values = DMatrix::from_iterator(n, 3 * nodes.len(), numbers);
+        let near = Near { points_m: points_m.to_vec(), max_modes, reach_m };
+        let mut modes = Self { near, kernel, pivots, unmixed, lattice, values: DMatrix::zeros(n, 0) };
+        let mut values = DMatrix::zeros(n, 3 * modes.lattice.n_nodes());
+        let few = values.as_mut_slice().par_chunks_mut(NODES_TOGETHER * (3 * n).max(1));
+        few.enumerate().for_each(|(k, few)| {
+            let first = k * NODES_TOGETHER;
+            let nodes = first..first + few.len() / (3 * n);
+            let points_m: Vec<Vec3> = nodes.map(|node| modes.lattice.place(node)).collect();
+            few.copy_from_slice(modes.exact(&points_m).as_slice());
+        });
+        modes.values = values;
         modes
+    }
+
+    /// Whether they are those near some points.
+    pub fn are_near(&self, points_m: &[Vec3], kernel: SwirlKernel, max_modes: usize, reach_m: f64) -> bool {
+        self.near == Near { points_m: points_m.to_vec(), max_modes, reach_m } && self.kernel == kernel
     }
 
     /// How many there are.
@@ -175,31 +191,38 @@ impl SwirlModes {
     /// comes in from elsewhere is unknown and not in it. `before_from_now` tells for every point where the air was that is
     /// there now, and turns velocities back to the axes of before.
     pub fn carried(&self, before_from_now: &Pose) -> DMatrix<f64> {
-        let n = self.n_modes();
         let was = |(pivot, axis): &(Vec3, usize)| {
             let was_m = before_from_now.transform_point(&(*pivot).into()).coords;
-            (was_m, before_from_now.rotation * Vec3::ith(*axis, 1.0))
+            (was_m, [before_from_now.rotation * Vec3::ith(*axis, 1.0)])
         };
         // A row for each pivot's air before, a column for each pivot: the modes at where the pivots' air was, and then what modes
         // give those values at the pivots, are both what these are taken apart into.
-        let columns = self.covariances(self.pivots.iter().map(was), n);
+        let columns = self.covariances(self.pivots.iter().map(was));
         &self.unmixed * (&self.unmixed * columns).transpose()
     }
 
     /// The modes at some points, not read from the lattice: a column for each component of each.
     fn exact(&self, points_m: &[Vec3]) -> DMatrix<f64> {
-        let components = points_m.iter().flat_map(|p| (0..3).map(|axis| (*p, Vec3::ith(axis, 1.0))));
-        &self.unmixed * self.covariances(components, 3 * points_m.len())
+        let blow = points_m.iter().map(|p| (*p, [0, 1, 2].map(|axis| Vec3::ith(axis, 1.0))));
+        &self.unmixed * self.covariances(blow)
     }
 
     /// How the pivots, a row each, go together with what blows at some points in some directions, a column each.
-    fn covariances(&self, blows: impl Iterator<Item = (Vec3, Vec3)>, n_columns: usize) -> DMatrix<f64> {
-        let mut columns = DMatrix::zeros(self.n_modes(), n_columns);
-        for (mut column, (point_m, direction)) in columns.column_iter_mut().zip(blows) {
-            for (value, (pivot, axis)) in column.iter_mut().zip(&self.pivots) {
+    fn covariances<const N: usize>(
+        &self,
+        blow: impl ExactSizeIterator<Item = (Vec3, [Vec3; N])>,
+    ) -> DMatrix<f64> {
+        let n = self.n_modes();
+        let mut columns = DMatrix::zeros(n, N * blow.len());
+        let of_points = columns.as_mut_slice().chunks_exact_mut((N * n).max(1));
+        for (of_point, (point_m, directions)) in of_points.zip(blow) {
+            for (k, (pivot, axis)) in self.pivots.iter().enumerate() {
                 let apart_m = pivot - point_m;
                 let [a, b] = self.kernel.parts(apart_m);
-                *value = a * apart_m[*axis] * apart_m.dot(&direction) + b * direction[*axis];
+                let along = a * apart_m[*axis];
+                for (c, direction) in directions.iter().enumerate() {
+                    of_point[c * n + k] = along * apart_m.dot(direction) + b * direction[*axis];
+                }
             }
         }
         columns

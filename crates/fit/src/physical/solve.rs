@@ -15,6 +15,7 @@ use super::tracks::Clock;
 use crate::FitError;
 use nalgebra::{DVector, Matrix3};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use tousle_core::{HeadCapture, Pose, Progress, Session, Vec3};
 use tousle_flow::{AirFlow, AirState, N_STREAM, Stream, SwirlKernel, SwirlModes};
@@ -79,7 +80,7 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Result<So
     let fan_wind = fan_wind(problem);
     let known = problem.taught.air.as_ref();
     let (mut air, rounds) = match known {
-        Some(air) => (air.in_modes(modes(problem)).at_rate(clock.rate_hz, clock.n_steps), ROUNDS_FROM_KNOWN),
+        Some(air) => (in_own_modes(problem, air).at_rate(clock.rate_hz, clock.n_steps), ROUNDS_FROM_KNOWN),
         None => (first_guess(problem, &fan_wind), ROUNDS),
     };
     let mut surroundings = Surroundings::new(problem).with_stations(problem, &air.stream);
@@ -170,7 +171,7 @@ impl Surroundings {
         };
         Self {
             law: DragLaw::in_air(session.air_density),
-            rests: locks.iter().map(rest).collect(),
+            rests: locks.par_iter().map(rest).collect(),
             stations: Vec::new(),
             constants: vec![Constants::default(); locks.len()],
         }
@@ -302,9 +303,24 @@ fn first_guess(problem: &Problem<'_>, fan_wind: &[FanWind]) -> AirFlow {
 
 /// The shapes that swirls near the hair may have.
 fn modes(problem: &Problem<'_>) -> SwirlModes {
-    let kernel = SwirlKernel { length_m: problem.options.swirl_length_m };
-    let points = mode_points(problem.locks, &Stream::round(&problem.session.body));
-    SwirlModes::near(&points, kernel, problem.options.max_modes, MODE_REACH_M)
+    let (points_m, kernel) = modes_near(problem);
+    SwirlModes::near(&points_m, kernel, problem.options.max_modes, MODE_REACH_M)
+}
+
+/// Near which points, and how swirls go together there.
+fn modes_near(problem: &Problem<'_>) -> (Vec<Vec3>, SwirlKernel) {
+    let points_m = mode_points(problem.locks, &Stream::round(&problem.session.body));
+    (points_m, SwirlKernel { length_m: problem.options.swirl_length_m })
+}
+
+/// Known air in the same modes as air that is not known would have.
+fn in_own_modes<'a>(problem: &Problem<'_>, air: &'a AirFlow) -> Cow<'a, AirFlow> {
+    let (points_m, kernel) = modes_near(problem);
+    if air.modes.are_near(&points_m, kernel, problem.options.max_modes, MODE_REACH_M) {
+        Cow::Borrowed(air)
+    } else {
+        Cow::Owned(air.in_modes(modes(problem)))
+    }
 }
 
 /// Where hair ever is, on a lattice, outside the head.
