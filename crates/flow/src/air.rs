@@ -257,13 +257,14 @@ impl AirFlow {
         };
         let left_out: Vec<f64> = of_places.map(left_out).collect();
         let told = covariance.map_or_else(|| vec![0.0; changes.ncols()], |spread| forms(spread, &changes));
-        let mut of_reached = told.chunks_exact(3).zip(&left_out).map(|(told, left)| told.iter().sum::<f64>() + left);
+        let mut of_reached =
+            told.chunks_exact(3).zip(&left_out).map(|(told, left)| told.iter().sum::<f64>() + left);
         // Where no mode reaches the stream alone is unknown, and all swirls are.
         let of_stream = covariance.map(|spread| spread.fixed_view::<N_STREAM, N_STREAM>(n_modes, n_modes));
         let swirl_mps = self.states[step].swirl_mps;
         let of_place = |place: &AirPlace| {
             let variance = match &place.shapes {
-                Some(_) => of_reached.next().unwrap_or(f64::NAN),
+                Some(_) => of_reached.next().expect("one for each that is reached"),
                 None => {
                     let wind = place.stream.wind(&now);
                     let left_out_mps = swirl_mps * wind.layer;
@@ -348,8 +349,10 @@ mod tests {
     /// Many points at once are as sure as each by itself, and that is what the state's covariance says.
     #[test]
     fn spreads_are_the_covariances() {
-        let points: Vec<Vec3> = (0..8).map(|k| Vec3::new(0.12, 0.03 * f64::from(k), -0.1)).collect();
+        let mut points: Vec<Vec3> = (0..8).map(|k| Vec3::new(0.12, 0.03 * f64::from(k), -0.1)).collect();
         let modes = SwirlModes::near(&points, SwirlKernel { length_m: 0.1 }, 12, 0.05);
+        // No mode reaches it.
+        points.insert(3, Vec3::repeat(0.4));
         let n = modes.n_modes() + N_STREAM;
         let mut values = DVector::from_fn(n, |i, _| 0.1 * i as f64);
         values[n - 1] = -4.0;

@@ -88,7 +88,8 @@ impl AirFlow {
             wake: row(&|k| nows[k].wake),
             per_layer: row(&|k| 1.0 / nows[k].layer_m),
             parts: (0..n_parts).map(part).collect(),
-            nodes: registers.with_lanes(Precision::Single, Blowing { modes: &self.modes, coefficients: &coefficients }),
+            nodes: registers
+                .with_lanes(Precision::Single, Blowing { modes: &self.modes, coefficients: &coefficients }),
         }
     }
 }
@@ -117,7 +118,13 @@ impl WithLanes for Blowing<'_> {
             let zero = L::zero();
             let coefficients: Vec<L> =
                 self.coefficients.iter().map(|row| zero.of_single(&row[from..from + L::N])).collect();
-            L::dispatch(BlowingAt { modes: self.modes, coefficients: &coefficients, zero, from, nodes: &mut nodes });
+            L::dispatch(BlowingAt {
+                modes: self.modes,
+                coefficients: &coefficients,
+                zero,
+                from,
+                nodes: &mut nodes,
+            });
         }
         nodes
     }
@@ -260,7 +267,13 @@ mod tests {
         let n = modes.n_modes() + N_STREAM;
         let state = |step: usize| {
             let mut values = DVector::from_fn(n, |i, _| libm::sin((i + 3 * step) as f64));
-            values.rows_mut(n - N_STREAM, N_STREAM).copy_from_slice(&[2.0, 0.1 * step as f64, 0.3, 0.6, -4.5]);
+            values.rows_mut(n - N_STREAM, N_STREAM).copy_from_slice(&[
+                2.0,
+                0.1 * step as f64,
+                0.3,
+                0.6,
+                -4.5,
+            ]);
             // Fans come and go, and so do parts.
             let fans = [Vec3::x(), Vec3::new(0.6, 0.8, 0.0)][..step % 3].to_vec();
             AirState { values, covariance: None, swirl_mps: 0.3, fans }
@@ -274,7 +287,10 @@ mod tests {
     fn it_is_the_air_of_each_step() {
         let air = air(40);
         let places: Vec<Vec3> = (0..400)
-            .map(|k| Vec3::new(f64::from(k % 10), f64::from(k / 10 % 8), f64::from(k / 80)) * 0.06 - Vec3::repeat(0.25))
+            .map(|k| {
+                Vec3::new(f64::from(k % 10), f64::from(k / 10 % 8), f64::from(k / 80)) * 0.06
+                    - Vec3::repeat(0.25)
+            })
             .filter(|p| !air.stream.is_solid(*p))
             .collect();
         let points: Vec<AirPoint> = places.iter().map(|p| air.point(*p)).collect();

@@ -14,8 +14,8 @@ mod shelter;
 mod stream;
 mod swirl;
 
-pub use during::{AirPoint, AirSteps, STEPS_AT_ONCE};
 pub use air::{AirFlow, AirPlace, AirState, N_STREAM, WindAt};
+pub use during::{AirPoint, AirSteps, STEPS_AT_ONCE};
 pub use potential::PotentialFlow;
 pub use stream::{Stream, StreamAt, StreamNow, StreamPart, StreamWind, stream_parts};
 pub use swirl::{SwirlKernel, SwirlModes, SwirlPlace};

@@ -36,10 +36,7 @@ impl SwirlKernel {
         let larger = exp(-f64::min(0.25 * s, BELL_ENDS));
         let lesser = (larger * larger) * (larger * larger);
         let (larger, lesser) = (0.5 * OF_LARGER * larger, 0.5 * OF_LESSER * lesser);
-        [
-            (larger * 0.5 + lesser * 2.0) * per_square,
-            larger * (2.0 - 0.5 * s) + lesser * (2.0 - 2.0 * s),
-        ]
+        [(larger * 0.5 + lesser * 2.0) * per_square, larger * (2.0 - 0.5 * s) + lesser * (2.0 - 2.0 * s)]
     }
 
     /// The covariance of the velocities at two points that are `apart_m` apart.
@@ -344,6 +341,21 @@ mod tests {
                 assert!((variance - 1.0).abs() < 0.2, "{axis}: {variance} of {n} modes");
             }
         }
+    }
+
+    /// They are known by what was asked for.
+    #[test]
+    fn modes_are_near_their_points() {
+        let (few, kernel) = (&points()[..9], SwirlKernel { length_m: 0.1 });
+        let modes = SwirlModes::near(few, kernel, 12, 0.05);
+        assert!(modes.are_near(few, kernel, 12, 0.05));
+        let others = [
+            modes.are_near(&few[1..], kernel, 12, 0.05),
+            modes.are_near(few, SwirlKernel { length_m: 0.2 }, 12, 0.05),
+            modes.are_near(few, kernel, 13, 0.05),
+            modes.are_near(few, kernel, 12, 0.06),
+        ];
+        assert_eq!(others, [false; 4]);
     }
 
     /// A mode read from the lattice has hardly any divergence.

@@ -1,7 +1,7 @@
-//! Several numbers side by side: one for each of some strands that are stepped together, or of some frames.
+//! Several numbers side by side: one for each of some strands that are stepped together, of some frames, or of some steps of a wind.
 //!
 //! What is written over [`Lane`] runs for one strand at a time or for as many as fit the processor's registers, by the
-//! same lines: all of the simulator's steps, and the strands that follow guides. On x86 each operation is one of the processor's; elsewhere it is written out
+//! same lines: all of the simulator's steps, the strands that follow guides, the wind at voxels. On x86 each operation is one of the processor's; elsewhere it is written out
 //! for every number of an array, and the compiler makes vectors of it. Where two are fused it is by [`Lane::mul_add`],
 //! which rounds once on every machine, with or without an instruction for it: so every machine gives the same bits.
 

@@ -122,7 +122,9 @@ pub fn rasterize(
     let fill = |(part, (samples, outside)): (usize, (&[Vec<_>], &[Vec3]))| {
         let first = part * STEPS_AT_ONCE;
         let fields: Vec<Field> = match &laid {
-            None => samples.iter().zip(outside).map(|(s, outside)| paper::fill_step(&grid, s, *outside)).collect(),
+            None => {
+                samples.iter().zip(outside).map(|(s, outside)| paper::fill_step(&grid, s, *outside)).collect()
+            }
             Some(voxels) => voxels.fill_steps(first..first + samples.len(), samples),
         };
         let n_filled = fields.len() as u64;

@@ -151,13 +151,7 @@ impl Station {
     }
 
     /// The wind at the places. Its change with the state is written to `by_state`, component by component, place by place.
-    fn winds(
-        &self,
-        air: &AirFlow,
-        now: &StreamNow,
-        step: usize,
-        by_state: &mut [f64],
-    ) -> Vec<Vec3> {
+    fn winds(&self, air: &AirFlow, now: &StreamNow, step: usize, by_state: &mut [f64]) -> Vec<Vec3> {
         let changes = by_state.chunks_exact_mut(3 * air.states[step].values.len());
         let wind = |((point_m, stream), change): ((&Vec3, &StreamAt), &mut [f64])| {
             air.wind_at(stream, step, now, *point_m, change)

@@ -277,11 +277,7 @@ fn add_unknown(
 }
 
 /// The eliminated steps' lower factor's inverse times some of the constants' columns, one step below the other.
-fn forward(
-    eliminated: &[Eliminated],
-    with_air: &[DMatrix<f64>],
-    constants: &Range<usize>,
-) -> DMatrix<f64> {
+fn forward(eliminated: &[Eliminated], with_air: &[DMatrix<f64>], constants: &Range<usize>) -> DMatrix<f64> {
     let n = with_air.first().map_or(0, DMatrix::nrows);
     let mut solved = DMatrix::zeros(n * eliminated.len(), constants.len());
     let mut before: Option<&DMatrix<f64>> = None;
@@ -398,8 +394,7 @@ mod tests {
         means_off.rows_mut(9, n_constants).copy_from(beside.means_off.as_ref().unwrap());
         let means_off = &covariance * means_off;
         let covariance = covariance + &means_off * means_off.transpose();
-        let Some((found, found_constants)) =
-            most_likely(&wander, carried, said.into(), Some(beside), true)
+        let Some((found, found_constants)) = most_likely(&wander, carried, said.into(), Some(beside), true)
         else {
             panic!("expected an answer")
         };

@@ -92,7 +92,6 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Result<So
         said = ask(problem, &surroundings, &air, slope);
         let sureness = match rounds - 1 - round {
             0 if problem.options.says_how_sure => Sureness::OfAll,
-            0 => Sureness::Unasked,
             1 => Sureness::OfAir,
             _ => Sureness::Unasked,
         };
