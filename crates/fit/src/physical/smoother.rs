@@ -2,7 +2,6 @@
 
 use super::constants::ConstantsSaid;
 use super::triangle::{Triangle, inverse_factor};
-use core::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -193,8 +192,11 @@ fn swept(
     Some(passed)
 }
 
-/// Constants whose columns are solved for at once: about so many, in an even number of groups for two threads.
+/// Constants whose columns are solved for side by side with those of others.
 const CONSTANTS_TOGETHER: usize = 32;
+
+/// Steps that are summed up side by side with others.
+const STEPS_TOGETHER: usize = 64;
 
 /// Finds the constants beside states that are most likely where all constants are zero, and moves the states along.
 fn with_constants(
@@ -202,106 +204,97 @@ fn with_constants(
     eliminated: &[Eliminated],
     said: ConstantsSaid,
 ) -> Option<DVector<f64>> {
-    let ConstantsSaid { mut information, mut vector, with_air, means_off } = said;
+    let ConstantsSaid { mut information, mut vector, mut with_air, means_off } = said;
     for (likely, with_air) in likely.iter().zip(&with_air) {
         vector.gemv_tr(-1.0, with_air, &likely.state, 1.0);
     }
-    let n = vector.len();
-    let n_groups = 2 * n.div_ceil(2 * CONSTANTS_TOGETHER).max(1);
-    let together = n.div_ceil(n_groups).max(1);
-    let groups: Vec<Range<usize>> =
-        (0..n).step_by(together).map(|first| first..(first + together).min(n)).collect();
-    // By group; one step below the other.
-    let of_group = |group: &Range<usize>| forward(eliminated, &with_air, group);
-    let forwards: Vec<DMatrix<f64>> = groups.par_iter().map(of_group).collect();
-    drop(with_air);
-    let of_group = |(a, forward): (usize, &DMatrix<f64>)| -> Vec<DMatrix<f64>> {
-        let turned = forward.transpose();
-        forwards[..=a].iter().map(|other| &turned * other).collect()
-    };
-    let products: Vec<_> = forwards.par_iter().enumerate().map(of_group).collect();
-    for (a, of_group) in products.into_iter().enumerate() {
-        for (b, product) in of_group.into_iter().enumerate() {
-            let mut block = information.view_mut((groups[a].start, groups[b].start), product.shape());
-            block -= product;
+    forward(eliminated, &mut with_air);
+    let forwards = with_air;
+    let products = forwards.par_chunks(STEPS_TOGETHER).map(|steps| {
+        let mut sum = Triangle::zeros(vector.len());
+        for step in steps {
+            sum += &Triangle::of_product(&step.transpose(), step);
         }
+        sum
+    });
+    for product in products.collect::<Vec<_>>() {
+        information -= product.symmetric();
     }
     let unmixed = inverse_factor(&information)?;
     let solved = |columns: &DMatrix<f64>| unmixed.transpose() * (&unmixed * columns);
     let constants = solved(&DMatrix::from_columns(&[vector]));
-    let n_state = likely.first()?.state.len();
-    // How far constants, a column for each choice of them, move the states, one step below the other; those that no row is given for
-    // are zero.
-    let moved_by = |constants: &DMatrix<f64>| {
-        let mut moved = DMatrix::zeros(n_state * eliminated.len(), constants.ncols());
-        for (group, forward) in groups.iter().zip(&forwards).take_while(|(g, _)| g.end <= constants.nrows()) {
-            moved.gemm(1.0, forward, &constants.rows_range(group.clone()), 1.0);
-        }
+    // How far constants, a column for each choice of them, move each step's state; those that no row is given for are zero.
+    let moved_by = |constants: &DMatrix<f64>| -> Vec<DMatrix<f64>> {
+        let of_step = |step: &DMatrix<f64>| step.columns_range(..constants.nrows()) * constants;
+        let mut moved: Vec<_> = forwards.iter().map(of_step).collect();
         backward(eliminated, &mut moved);
         moved
     };
-    let moved = moved_by(&constants);
-    for (step, likely) in likely.iter_mut().enumerate() {
-        likely.state -= moved.column(0).rows(step * n_state, n_state);
+    for (likely, moved) in likely.iter_mut().zip(moved_by(&constants)) {
+        likely.state -= moved.column(0);
     }
     if let Some(means_off) = means_off {
-        add_unknown(likely, &groups, &unmixed, &solved(&means_off), moved_by);
+        add_unknown(likely, &unmixed, &solved(&means_off), moved_by);
     }
     Some(constants.column(0).into_owned())
 }
 
 /// Adds to the states' covariances what comes of the constants' own, of whose information `unmixed` is the inverse of a lower factor,
-/// and of what is held of them, which moves them by `means_off`. `moved_by` tells how far constants move the states, one step below the
-/// other.
+/// and of what is held of them, which moves them by `means_off`. `moved_by` tells how far constants move each step's state.
 fn add_unknown(
     likely: &mut [Likely],
-    groups: &[Range<usize>],
     unmixed: &DMatrix<f64>,
     means_off: &DMatrix<f64>,
-    moved_by: impl Fn(&DMatrix<f64>) -> DMatrix<f64> + Sync,
+    moved_by: impl Fn(&DMatrix<f64>) -> Vec<DMatrix<f64>> + Sync,
 ) {
-    // Independent unknowns of variance 1 in place of the constants: lower triangular, each hangs on those before it.
-    let of_group =
-        |group: &Range<usize>| moved_by(&unmixed.view_range(group.clone(), ..group.end).transpose());
-    let mut moved: Vec<DMatrix<f64>> = groups.par_iter().map(of_group).collect();
-    moved.push(moved_by(means_off));
-    likely.par_iter_mut().enumerate().for_each(|(step, likely)| {
-        let Some(covariance) = &mut likely.covariance else { return };
-        let n_state = covariance.nrows();
-        let by_all = moved.iter().flat_map(|moved| {
-            moved.column_iter().map(|column| column.rows(step * n_state, n_state).into_owned())
+    let n = unmixed.nrows();
+    // Independent unknowns of variance 1 in place of the constants: each hangs on those before it.
+    let some = |first: usize| {
+        let end = (first + CONSTANTS_TOGETHER).min(n);
+        unmixed.view_range(first..end, ..end).transpose()
+    };
+    let mut causes: Vec<DMatrix<f64>> = (0..n).step_by(CONSTANTS_TOGETHER).map(some).collect();
+    causes.push(means_off.clone());
+    // Not all at once: of a long capture that would be as much again as all that is kept of it.
+    for causes in causes.chunks(2) {
+        let moved: Vec<Vec<DMatrix<f64>>> = causes.par_iter().map(&moved_by).collect();
+        likely.par_iter_mut().enumerate().for_each(|(step, likely)| {
+            let Some(covariance) = &mut likely.covariance else { return };
+            for of_cause in &moved {
+                let moved = &of_cause[step];
+                *covariance += Triangle::of_product(moved, &moved.transpose()).symmetric();
+            }
         });
-        let by_all = DMatrix::from_columns(&by_all.collect::<Vec<_>>());
-        *covariance += Triangle::of_product(&by_all, &by_all.transpose()).symmetric();
-    });
-}
-
-/// The eliminated steps' lower factor's inverse times some of the constants' columns, one step below the other.
-fn forward(eliminated: &[Eliminated], with_air: &[DMatrix<f64>], constants: &Range<usize>) -> DMatrix<f64> {
-    let n = with_air.first().map_or(0, DMatrix::nrows);
-    let mut solved = DMatrix::zeros(n * eliminated.len(), constants.len());
-    let mut before: Option<&DMatrix<f64>> = None;
-    for (step, (of_step, with_air)) in eliminated.iter().zip(with_air).enumerate() {
-        let mut own = with_air.columns_range(constants.clone()).into_owned();
-        if let Some(to_this) = before {
-            own.gemm(1.0, &to_this.transpose(), &solved.rows_range((step - 1) * n..step * n), 1.0);
-        }
-        solved.rows_range_mut(step * n..(step + 1) * n).gemm(1.0, &of_step.unmixed.matrix(), &own, 0.0);
-        before = of_step.to_next.as_ref();
     }
-    solved
 }
 
-/// The inverse of that factor, turned, times some columns, one step below the other, in their place.
-fn backward(eliminated: &[Eliminated], columns: &mut DMatrix<f64>) {
-    let n = columns.nrows() / eliminated.len().max(1);
+/// The inverse of the eliminated steps' lower factor times columns of every step, in their place.
+fn forward(eliminated: &[Eliminated], columns: &mut [DMatrix<f64>]) {
+    let mut before: Option<(&DMatrix<f64>, DMatrix<f64>)> = None;
+    for (of_step, own) in eliminated.iter().zip(columns) {
+        let (n, unmixed) = (own.nrows(), of_step.unmixed.matrix());
+        let to_this = before.as_ref().map(|(to_this, solved)| (to_this.transpose(), solved));
+        let of_some = |(k, some): (usize, &mut [f64])| {
+            let mut own = DMatrix::from_column_slice(n, some.len() / n, some);
+            if let Some((to_this, solved)) = &to_this {
+                let solved = solved.columns(k * CONSTANTS_TOGETHER, own.ncols());
+                own.gemm(1.0, to_this, &solved, 1.0);
+            }
+            some.copy_from_slice((&unmixed * own).as_slice());
+        };
+        own.as_mut_slice().par_chunks_mut(n * CONSTANTS_TOGETHER).enumerate().for_each(of_some);
+        before = of_step.to_next.as_ref().map(|to_next| (to_next, own.clone()));
+    }
+}
+
+/// The inverse of that factor, turned, times columns of every step, in their place.
+fn backward(eliminated: &[Eliminated], columns: &mut [DMatrix<f64>]) {
     for (step, of_step) in eliminated.iter().enumerate().rev() {
-        let mut own = columns.rows_range(step * n..(step + 1) * n).into_owned();
-        if let Some(to_next) = &of_step.to_next {
-            own.gemm(1.0, to_next, &columns.rows_range((step + 1) * n..(step + 2) * n), 1.0);
+        let (own, after) = columns.split_at_mut(step + 1);
+        if let (Some(to_next), Some(after)) = (&of_step.to_next, after.first()) {
+            own[step].gemm(1.0, to_next, after, 1.0);
         }
-        let turned = of_step.unmixed.matrix().transpose();
-        columns.rows_range_mut(step * n..(step + 1) * n).gemm(1.0, &turned, &own, 0.0);
+        own[step] = of_step.unmixed.matrix().transpose() * &own[step];
     }
 }
 

@@ -90,6 +90,10 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Result<So
         let slope =
             if round == 0 && known.is_none() { DragSlope::Secant(GUESS_MPS) } else { DragSlope::Tangent };
         said = ask(problem, &surroundings, &air, slope);
+        if round + 1 == rounds {
+            // Of a long capture they are as large as what is found next.
+            surroundings.stations = Vec::new();
+        }
         let sureness = match rounds - 1 - round {
             0 if problem.options.says_how_sure => Sureness::OfAll,
             1 => Sureness::OfAir,
