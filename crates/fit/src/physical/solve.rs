@@ -83,17 +83,13 @@ pub(crate) fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Result<So
         Some(air) => (in_own_modes(problem, air).at_rate(clock.rate_hz, clock.n_steps), ROUNDS_FROM_KNOWN),
         None => (first_guess(problem, &fan_wind), ROUNDS),
     };
-    let mut surroundings = Surroundings::new(problem).with_stations(problem, &air.stream);
+    let mut surroundings = Surroundings::new(problem);
     let outside = known_outside(problem, &fan_wind);
     let mut said = Vec::new();
     for round in 0..rounds {
         let slope =
             if round == 0 && known.is_none() { DragSlope::Secant(GUESS_MPS) } else { DragSlope::Tangent };
         said = ask(problem, &surroundings, &air, slope);
-        if round + 1 == rounds {
-            // Of a long capture they are as large as what is found next.
-            surroundings.stations = Vec::new();
-        }
         let sureness = match rounds - 1 - round {
             0 if problem.options.says_how_sure => Sureness::OfAll,
             1 => Sureness::OfAir,
@@ -154,14 +150,11 @@ pub(crate) struct Surroundings {
     law: DragLaw,
     /// By lock; `None` without a still interval.
     rests: Vec<Option<Rest>>,
-    /// By step and lock, if all are to be asked more than once.
-    pub(crate) stations: Vec<Vec<Station>>,
     /// By lock, what it is off by.
     constants: Vec<Constants>,
 }
 
 impl Surroundings {
-    /// Without stations.
     fn new(problem: &Problem<'_>) -> Self {
         let Problem { locks, session, rest_pose, .. } = problem;
         let gravity = rest_pose.rotation.inverse() * problem.gravity_world;
@@ -175,20 +168,12 @@ impl Surroundings {
         Self {
             law: DragLaw::in_air(session.air_density),
             rests: locks.par_iter().map(rest).collect(),
-            stations: Vec::new(),
             constants: vec![Constants::default(); locks.len()],
         }
     }
 
-    /// The same with the stations of all steps.
-    fn with_stations(self, problem: &Problem<'_>, stream: &Stream) -> Self {
-        let of_step = |step: usize| self.stations_at(problem, stream, step);
-        let stations = (0..problem.clock.n_steps).into_par_iter().map(of_step).collect();
-        Self { stations, ..self }
-    }
-
     /// The stations of all locks at a step.
-    fn stations_at(&self, problem: &Problem<'_>, stream: &Stream, step: usize) -> Vec<Station> {
+    pub(crate) fn stations_at(&self, problem: &Problem<'_>, stream: &Stream, step: usize) -> Vec<Station> {
         let Problem { locks, clock, session, rest_pose, .. } = problem;
         let torso = session.body.head_from_torso(clock.pose(step), rest_pose);
         let surfaces = Surface::of_body(&session.body, &torso);

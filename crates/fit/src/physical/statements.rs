@@ -144,6 +144,8 @@ impl Statements {
         slope: DragSlope,
     ) -> Self {
         let (now, values) = (air.now(step), &air.states[step].values);
+        // Made anew each round: of a long capture those of all steps are as large as half of what the states need.
+        let stations = around.stations_at(problem, &air.stream, step);
         let spans = Span::all(problem.locks);
         let (n_rows, n_winds) = spans.last().map_or((0, 0), |last| (last.rows.end, last.winds.end));
         let mut said = Self {
@@ -157,7 +159,7 @@ impl Statements {
         };
         for (lock, span) in said.spans.iter().enumerate() {
             let balance = around.balance(problem, lock, step);
-            let station = &around.stations[step][lock];
+            let station = &stations[lock];
             let n = values.len();
             let by_state = &mut said.by_state.as_mut_slice()[span.winds.start * n..span.winds.end * n];
             let evidence =
