@@ -1,4 +1,4 @@
-//! The exponential and the cube root where they are asked for in every voxel and step.
+//! The exponential where it is asked for at every place and step.
 
 use core::f64::consts::LOG2_E;
 
@@ -26,23 +26,6 @@ pub(crate) fn exp(x: f64) -> f64 {
     series * power
 }
 
-/// x^⅓ for x from 1 to 10⁶, to 10⁻¹³ of it.
-///
-/// A third of the exponent's bits, then twice Halley's method, which triples the digits.
-#[inline(always)]
-pub(crate) fn cbrt(x: f64) -> f64 {
-    const ONE: u64 = 1.0_f64.to_bits();
-    // Bits are a number's logarithm as if that were straight between powers of two. That is too little, on average so much more of
-    // the root's than of a third of the number's, in octaves.
-    const BENT: u64 = (0.0331 * (1_u64 << 52) as f64) as u64;
-    let mut root = f64::from_bits((x.to_bits() - ONE) / 3 + ONE - BENT);
-    for _ in 0..2 {
-        let cube = root * root * root;
-        root *= (cube + 2.0 * x) / (2.0 * cube + x);
-    }
-    root
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,13 +38,5 @@ mod tests {
             assert!((found / exact - 1.0).abs() < 3e-10, "e^{x}: {found} {exact}");
         }
         assert_eq!(exp(0.0), 1.0);
-    }
-
-    #[test]
-    fn it_is_the_cube_root() {
-        for k in 0..=6000 {
-            let x = libm::pow(10.0, f64::from(k) * 1e-3);
-            assert!((cbrt(x) / libm::cbrt(x) - 1.0).abs() < 1e-13, "∛{x}: {}", cbrt(x));
-        }
     }
 }

@@ -6,7 +6,7 @@
 //! head's layer and wake are neither as simple nor steady: what the hair says corrects them.
 
 use crate::during::Row;
-use crate::exponential::{cbrt, exp};
+use crate::exponential::exp;
 use tousle_core::Vec3;
 use tousle_lanes::{Lane, Vector, fade};
 
@@ -64,7 +64,7 @@ impl Lee {
         }
         let across2 = (from_center_m - self.direction * along).norm_squared();
         let behind = f64::max(along - self.half_length_m, 0.0) / (2.0 * self.radius_m);
-        let fade = if behind > 0.0 { cbrt(1.0 + behind) } else { 1.0 };
+        let fade = if behind > 0.0 { libm::cbrt(1.0 + behind) } else { 1.0 };
         let width2 = self.radius_m * self.radius_m * fade * fade;
         if across2 > BELL_ENDS * width2 {
             return 0.0;

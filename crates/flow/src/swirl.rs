@@ -106,7 +106,8 @@ impl SwirlModes {
     pub fn near(points_m: &[Vec3], kernel: SwirlKernel, max_modes: usize, reach_m: f64) -> Self {
         let (pivots, factor) = pivots(points_m, kernel, max_modes);
         let n = pivots.len();
-        let unmixed = factor.solve_lower_triangular(&DMatrix::identity(n, n)).unwrap_or(factor);
+        let unmixed = factor.solve_lower_triangular(&DMatrix::identity(n, n));
+        let unmixed = unmixed.expect("a pivot adds more than is left out");
         let lattice = Lattice::around(points_m, reach_m, LATTICE_SHARE * LESSER * kernel.length_m);
         let near = Near { points_m: points_m.to_vec(), max_modes, reach_m };
         let mut modes = Self { near, kernel, pivots, unmixed, lattice, values: DMatrix::zeros(n, 0) };
@@ -124,7 +125,8 @@ impl SwirlModes {
 
     /// Whether they are those near some points.
     pub fn are_near(&self, points_m: &[Vec3], kernel: SwirlKernel, max_modes: usize, reach_m: f64) -> bool {
-        self.near == Near { points_m: points_m.to_vec(), max_modes, reach_m } && self.kernel == kernel
+        let Near { points_m: own_m, max_modes: own_most, reach_m: own_reach_m } = &self.near;
+        own_m == points_m && self.kernel == kernel && *own_most == max_modes && *own_reach_m == reach_m
     }
 
     /// How many there are.

@@ -271,7 +271,8 @@ fn learnt_share(air: &AirFlow) -> f64 {
 
 /// The fans' wind, no swirls, and wake and layer as they usually are.
 fn first_guess(problem: &Problem<'_>, fan_wind: &[FanWind]) -> AirFlow {
-    let (stream, modes) = (Stream::round(&problem.session.body), modes(problem));
+    let stream = Stream::round(&problem.session.body);
+    let modes = modes(problem, &stream);
     let n_modes = modes.n_modes();
     let n = n_modes + N_STREAM;
     let state = |fans: &FanWind| {
@@ -290,24 +291,20 @@ fn first_guess(problem: &Problem<'_>, fan_wind: &[FanWind]) -> AirFlow {
 }
 
 /// The shapes that swirls near the hair may have.
-fn modes(problem: &Problem<'_>) -> SwirlModes {
-    let (points_m, kernel) = modes_near(problem);
+fn modes(problem: &Problem<'_>, stream: &Stream) -> SwirlModes {
+    let kernel = SwirlKernel { length_m: problem.options.swirl_length_m };
+    let points_m = mode_points(problem.locks, stream);
     SwirlModes::near(&points_m, kernel, problem.options.max_modes, MODE_REACH_M)
 }
 
-/// Near which points, and how swirls go together there.
-fn modes_near(problem: &Problem<'_>) -> (Vec<Vec3>, SwirlKernel) {
-    let points_m = mode_points(problem.locks, &Stream::round(&problem.session.body));
-    (points_m, SwirlKernel { length_m: problem.options.swirl_length_m })
-}
-
-/// Known air in the same modes as air that is not known would have.
+/// Known air in the modes that air which is not known would have.
 fn in_own_modes<'a>(problem: &Problem<'_>, air: &'a AirFlow) -> Cow<'a, AirFlow> {
-    let (points_m, kernel) = modes_near(problem);
-    if air.modes.are_near(&points_m, kernel, problem.options.max_modes, MODE_REACH_M) {
+    let kernel = SwirlKernel { length_m: problem.options.swirl_length_m };
+    let (points_m, max_modes) = (mode_points(problem.locks, &air.stream), problem.options.max_modes);
+    if air.modes.are_near(&points_m, kernel, max_modes, MODE_REACH_M) {
         Cow::Borrowed(air)
     } else {
-        Cow::Owned(air.in_modes(modes(problem)))
+        Cow::Owned(air.in_modes(SwirlModes::near(&points_m, kernel, max_modes, MODE_REACH_M)))
     }
 }
 
