@@ -75,10 +75,10 @@ const OVER_FACTORIALS: [f64; 14] = {
     terms
 };
 
-/// sin x for 0 ≤ x ≤ π/4; the first term that is left out is below 1e-16 of it.
+/// |1 − exp(ix)|² = 2 − 2 cos x from x² ≤ π²/4; the first term that is left out is below 1e-16 of it.
 #[inline(always)]
-pub fn sine_to_quarter<L: Lane>(x: L) -> L {
-    x * series(x * x, SINE)
+pub fn squared_chord<L: Lane>(x2: L) -> L {
+    x2 * series(x2, CHORD2)
 }
 
 /// cos x and sin x / x from x² ≤ 1; the first terms that are left out are below 1e-16.
@@ -129,9 +129,10 @@ const ARCSINE: [f64; 24] = {
     terms
 };
 
-/// (−1)ᵏ / (2 k + 1)! and (−1)ᵏ / (2 k)!
-const SINE: [f64; 9] = alternating(1);
+/// (−1)ᵏ / (2 k)!, (−1)ᵏ / (2 k + 1)! and 2 (−1)ᵏ / (2 k + 2)!
 const COSINE: [f64; 10] = alternating(0);
+const SINE: [f64; 9] = alternating(1);
+const CHORD2: [f64; 11] = alternating(2);
 
 const fn alternating<const N: usize>(first: usize) -> [f64; N] {
     let mut terms = [1.0; N];
@@ -162,7 +163,8 @@ mod tests {
             };
             close(fade(F64x1::splat(x)), libm::expm1(-x));
             close(fade(F64x1::splat(long)), libm::expm1(-long));
-            close(sine_to_quarter(F64x1::splat(angle)), libm::sin(angle));
+            let half = libm::sin(angle);
+            close(squared_chord(F64x1::splat(4.0 * angle * angle)), 4.0 * half * half);
             let (cos, share) = cos_and_sine_share(F64x1::splat(angle * angle));
             close(cos, libm::cos(angle));
             close(share * F64x1::splat(angle), libm::sin(angle));

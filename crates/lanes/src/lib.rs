@@ -41,7 +41,7 @@ use wide::{F32x8, F32x16, F64x4, F64x8};
 
 pub use array::F32x1;
 pub use array::F64x1;
-pub use functions::{angle_per_sine, cos_and_sine, cos_and_sine_share, fade, series, sine_to_quarter};
+pub use functions::{angle_per_sine, cos_and_sine, cos_and_sine_share, fade, series, squared_chord};
 pub use matrix::{Matrix, Placing, Shifted, Symmetric};
 pub use quaternion::Turn;
 pub use registers::{Registers, WithLanes};

@@ -41,7 +41,7 @@ impl<L: Lane> Turn<L> {
     #[inline(always)]
     pub fn rotate(self, a: Vector<L>) -> Vector<L> {
         let t = self.v.cross(a) * self.w.same(2.0);
-        t.mul_add(self.w, a) + self.v.cross(t)
+        self.v.cross_add(t, t.mul_add(self.w, a))
     }
 
     /// Its matrix, less the identity: in single precision 1 itself would leave nothing of small turns.

@@ -132,10 +132,22 @@ impl<L: Lane> Vector<L> {
         self.dot(self)
     }
 
+    /// The part of this at right angles to a unit vector.
+    #[inline(always)]
+    pub fn across(self, direction: Self) -> Self {
+        direction.mul_add(-direction.dot(self), self)
+    }
+
     /// This over its length.
     #[inline(always)]
     pub fn normalized(self) -> Self {
         self * self.norm_squared().per_sqrt()
+    }
+
+    /// This over its length, where that differs from 1 by rounding errors and no more.
+    #[inline(always)]
+    pub fn normalized_again(self) -> Self {
+        self * self.x.same(-0.5).mul_add(self.norm_squared(), self.x.same(1.5))
     }
 
     /// `yes` where `of` is above `bound`, else `no`.

@@ -1,6 +1,6 @@
 use crate::Integrator;
 use core::f64::consts::FRAC_PI_2;
-use tousle_lanes::{Lane, Vector, fade, sine_to_quarter};
+use tousle_lanes::{Lane, Vector, fade, squared_chord};
 
 /// E1 of one joint over one step: I1 Φ″ + I2 Φ′ + τ Φ = H, Φ counted from where the stick is now.
 #[derive(Clone, Copy, Debug)]
@@ -66,9 +66,8 @@ impl<L: Lane> JointStep<L> {
         let remains = strength.same(1.0) + faded;
         let swing2 = phase2 - fades * fades;
         // |1 − exp(−fade + iω)|², as a sum of squares.
-        let phase = swing2.max(zero).sqrt();
-        let sin = sine_to_quarter(phase.min(strength.same(FRAC_PI_2)) * half);
-        let mut share = (faded * faded + remains * sin * sin * strength.same(4.0)) / phase2;
+        let phase2_seen = swing2.max(zero).min(strength.same(FRAC_PI_2 * FRAC_PI_2));
+        let mut share = (faded * faded + remains * squared_chord(phase2_seen)) / phase2;
         if !swing2.all_above(zero) {
             let fast = fades + (-swing2).max(zero).sqrt();
             // The slow root from the product of both: their difference would cancel.

@@ -187,7 +187,7 @@ impl<L: Lane> Batch<L> {
                 resistance = stick.length.mul_add(air.most, resistance);
             }
             torque += direction.cross(lever).mul_add(stick.length, rate * resistance);
-            torque -= direction * direction.dot(torque);
+            torque = torque.across(direction);
             let strength = stick.length.mul_add(pull.norm_squared().sqrt(), stick.bending_bound);
             let joint = JointEquation { per_inertia: stick.per_inertia, resistance, strength };
             let step = JointStep::new(model.integrator, joint, dt_secs);
@@ -201,7 +201,7 @@ impl<L: Lane> Batch<L> {
     fn turn_sticks(&mut self, dt_secs: f64) {
         let dt = self.damping_secs.same(dt_secs);
         for Motion { direction, rate } in &mut self.motions {
-            // Rodrigues' formula; the turn is at right angles to the stick.
+            // Rodrigues' formula; the turn is at right angles to the stick, but for rounding errors.
             let turn = *rate * dt;
             let angle2 = turn.norm_squared();
             let (cos, sine_share) = cos_and_sine_share(angle2.min(self.damping_secs.same(1.0)));
@@ -210,8 +210,8 @@ impl<L: Lane> Batch<L> {
                 let far = |lane: usize| turned(direction.get(lane), turn.get(lane));
                 to = Vector::where_above(angle2, self.damping_secs.same(1.0), Vector::from_fn(far), to);
             }
-            *direction = to.normalized();
-            *rate -= *direction * direction.dot(*rate);
+            *direction = to.normalized_again();
+            *rate = rate.across(*direction);
         }
     }
 

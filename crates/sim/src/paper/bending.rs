@@ -17,8 +17,8 @@ impl<L: Lane> Batch<L> {
             let carried = axes.rotate(stick.rest_direction);
             let (angles, turn) = shortest(carried, direction);
             let bent = (motion.rate - rate_before).mul_add(self.damping_secs, angles);
-            let torque = axes.rotate(stick.rest_torque) - bent * stick.stiffness;
-            work.bending_torque = torque - direction * direction.dot(torque);
+            let torque = bent.mul_add(-stick.stiffness, axes.rotate(stick.rest_torque));
+            work.bending_torque = torque.across(direction);
             axes = turn.after(axes);
             rate_before = motion.rate;
         }

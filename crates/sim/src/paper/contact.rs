@@ -13,11 +13,11 @@ use tousle_lanes::{Lane, Symmetric, Vector};
 pub(super) struct Contacts<L> {
     /// The colliders that some of the strands can reach.
     colliders: Vec<Touchable>,
-    /// One slot a collider and point, collider after collider.
+    /// One slot a point and collider, the colliders of a point together.
     slots: Vec<Slot<L>>,
-    /// What is known of each point's distance from all of them.
+    /// What is known of each slot's distance.
     seen: Vec<Seen<L>>,
-    /// Of which points the slots may say something.
+    /// Which slots may say something.
     is_borne: Vec<bool>,
     /// What touches in this step, ordered from the root.
     touching: Vec<Touch<L>>,
@@ -65,7 +65,7 @@ impl<L: Lane> Contacts<L> {
     pub fn new(strands: &[&Prepared<()>], n: usize) -> Self {
         let of = |lane: usize| strands[lane.min(strands.len() - 1)];
         let colliders = reached(strands);
-        let slot = |collider: usize, stick: usize| {
+        let slot = |(collider, stick): (usize, usize)| {
             let reaches = |lane: usize| {
                 let p = of(lane);
                 stick < p.lock.n_sticks() && p.touchable.iter().any(|t| t.collider == collider)
@@ -86,13 +86,13 @@ impl<L: Lane> Contacts<L> {
                 rub: Vector::zero(),
             }
         };
-        let slots = colliders.iter().flat_map(|c| (0..n).map(|stick| slot(c.collider, stick))).collect();
-        let n = if colliders.is_empty() { 0 } else { n };
+        let slots: Vec<_> =
+            (0..n).flat_map(|stick| colliders.iter().map(move |c| (c.collider, stick))).map(slot).collect();
         Self {
             colliders,
+            seen: vec![Seen::not_yet(); slots.len()],
+            is_borne: vec![true; slots.len()],
             slots,
-            seen: vec![Seen::not_yet(); n],
-            is_borne: vec![true; n],
             touching: Vec::new(),
             corrections: vec![Vector::zero(); n],
         }
@@ -105,62 +105,61 @@ impl<L: Lane> Contacts<L> {
         if self.colliders.is_empty() {
             return;
         }
+        // A surface that moves comes nearer by itself.
+        let is_still = scene.head.is_none();
         for (stick, work) in work.iter().enumerate() {
             let speed = work.velocity.norm_squared().sqrt();
             let margin_m = speed.mul_add(speed.same(2.0 * scene.dt_secs), speed.same(MARGIN_M));
-            // A surface that moves comes nearer by itself.
-            let is_still = scene.head.is_none();
-            if is_still && self.seen[stick].is_far(work.end, margin_m) {
-                self.let_go(stick, margin_m);
-            } else {
-                self.look(stick, work, margin_m, scene);
+            for k in 0..self.colliders.len() {
+                let slot = stick * self.colliders.len() + k;
+                if is_still && self.seen[slot].is_far(work.end, margin_m) {
+                    self.let_go(slot, margin_m);
+                } else {
+                    self.look((stick, k), work.end, margin_m, scene);
+                }
             }
         }
     }
 
-    /// A point is far from everything: nothing of what bore it is left.
+    /// A point is far from a surface: nothing of what bore it is left.
     #[inline(always)]
-    fn let_go(&mut self, stick: usize, like: L) {
-        if self.is_borne[stick] {
-            self.is_borne[stick] = false;
-            for slot in self.slots[stick..].iter_mut().step_by(self.seen.len()) {
-                (slot.push, slot.rub) = (like.same(0.0), Vector::none(like));
-            }
+    fn let_go(&mut self, slot: usize, like: L) {
+        if self.is_borne[slot] {
+            self.is_borne[slot] = false;
+            let slot = &mut self.slots[slot];
+            (slot.push, slot.rub) = (like.same(0.0), Vector::none(like));
         }
     }
 
+    /// Whether a stick's end may touch one of the colliders, the `k`-th, within the step.
     #[inline(always)]
-    fn look(&mut self, stick: usize, work: &Work<L>, margin_m: L, scene: &StepScene<'_>) {
-        let n = self.seen.len();
-        let mut room_m = margin_m.same(f64::INFINITY);
-        for (k, &Touchable { collider, on_torso }) in self.colliders.iter().enumerate() {
-            let slot = k * n + stick;
-            let remembered = &mut self.slots[slot];
-            let clearance_m = remembered.clearance_m;
-            let (gap, normal) = gaps(&scene.surfaces[collider], work.end);
-            room_m = room_m.min(room(gap, clearance_m));
-            let reaches = (clearance_m + margin_m).max(margin_m.same(0.0)) - gap;
-            let touches = reaches.above(margin_m.same(0.0), margin_m.same(1.0), margin_m.same(0.0));
-            let touches = clearance_m.above(margin_m.same(f64::NEG_INFINITY), touches, margin_m.same(0.0));
-            remembered.push = remembered.push * touches;
-            remembered.rub = remembered.rub * touches;
-            if !touches.any_above(margin_m.same(0.0)) {
-                continue;
-            }
-            self.is_borne[stick] = true;
-            let room_m = gap - clearance_m;
-            let on_surface = margin_m.same(ON_SURFACE_M) - room_m.max(-room_m);
-            let surface_velocity = scene.surface_velocity(on_torso, work.end);
-            self.touching.push(Touch {
-                slot,
-                stick,
-                touches,
-                normal,
-                room_m: on_surface.above(margin_m.same(0.0), margin_m.same(0.0), room_m),
-                surface_velocity,
-            });
+    fn look(&mut self, (stick, k): (usize, usize), place: Vector<L>, margin_m: L, scene: &StepScene<'_>) {
+        let (slot, touchable) = (stick * self.colliders.len() + k, self.colliders[k]);
+        let (nothing, one) = (margin_m.same(0.0), margin_m.same(1.0));
+        let remembered = &mut self.slots[slot];
+        let clearance_m = remembered.clearance_m;
+        let (gap, normal) = gaps(&scene.surfaces[touchable.collider], place);
+        self.seen[slot] = Seen { place, room_m: room(gap, clearance_m) };
+        let reaches = (clearance_m + margin_m).max(nothing) - gap;
+        let touches = reaches.above(nothing, one, nothing);
+        let touches = clearance_m.above(margin_m.same(f64::NEG_INFINITY), touches, nothing);
+        remembered.push = remembered.push * touches;
+        remembered.rub = remembered.rub * touches;
+        if !touches.any_above(nothing) {
+            return;
         }
-        self.seen[stick] = Seen { place: work.end, room_m };
+        self.is_borne[slot] = true;
+        let room_m = gap - clearance_m;
+        let on_surface = margin_m.same(ON_SURFACE_M) - room_m.max(-room_m);
+        let surface_velocity = scene.surface_velocity(touchable.on_torso, place);
+        self.touching.push(Touch {
+            slot,
+            stick,
+            touches,
+            normal,
+            room_m: on_surface.above(nothing, nothing, room_m),
+            surface_velocity,
+        });
     }
 
     /// Adds what is remembered to the forces on the points.
@@ -168,7 +167,7 @@ impl<L: Lane> Contacts<L> {
     pub fn push(&mut self, work: &mut [Work<L>]) {
         for touch in &self.touching {
             let slot = &mut self.slots[touch.slot];
-            slot.rub -= touch.normal * touch.normal.dot(slot.rub);
+            slot.rub = slot.rub.across(touch.normal);
             work[touch.stick].force += touch.normal.mul_add(slot.push, slot.rub) * touch.touches;
         }
     }
@@ -183,9 +182,9 @@ impl<L: Lane> Contacts<L> {
         friction: f64,
         dt_secs: f64,
     ) {
-        if self.touching.is_empty() {
-            return;
-        }
+        // Farther out nothing changes.
+        let Some(Touch { stick: last, .. }) = self.touching.last() else { return };
+        let sticks = &sticks[..=*last];
         for _ in 0..SWEEPS {
             self.sweep(
                 sticks,
@@ -245,19 +244,25 @@ impl<L: Lane> Contacts<L> {
         motions: &mut [Motion<L>],
         scene: &StepScene<'_>,
     ) {
+        if self.colliders.is_empty() {
+            return;
+        }
+        let nothing = root.x.same(0.0);
         let mut near = root;
-        for (stick, seen) in self.seen.iter().enumerate() {
+        for (stick, seen) in self.seen.chunks_exact(self.colliders.len()).enumerate() {
             let length = sticks[stick].length;
-            let direction = &mut motions[stick].direction;
-            if !seen.is_far(direction.mul_add(length, near), root.x.same(0.0)) {
+            let Motion { direction, rate } = &mut motions[stick];
+            let point = direction.mul_add(length, near);
+            if !seen.iter().all(|seen| seen.is_far(point, nothing)) {
                 for _ in 0..MAX_PUSHES {
                     let (out, deepest) = self.way_out(direction.mul_add(length, near), stick, scene);
-                    let inside = deepest.above(root.x.same(ON_SURFACE_M), root.x.same(1.0), root.x.same(0.0));
-                    if !inside.any_above(root.x.same(0.0)) {
+                    let inside = deepest.above(root.x.same(ON_SURFACE_M), root.x.same(1.0), nothing);
+                    if !inside.any_above(nothing) {
                         break;
                     }
                     let turned = direction.mul_add(length, out).normalized();
-                    *direction = Vector::where_above(inside, root.x.same(0.0), turned, *direction);
+                    *direction = Vector::where_above(inside, nothing, turned, *direction);
+                    *rate = Vector::where_above(inside, nothing, rate.across(*direction), *rate);
                 }
             }
             near = direction.mul_add(length, near);
@@ -269,8 +274,12 @@ impl<L: Lane> Contacts<L> {
     fn way_out(&self, point: Vector<L>, stick: usize, scene: &StepScene<'_>) -> (Vector<L>, L) {
         let (mut out, mut deepest) = (Vector::none(point.x), point.x.same(ON_SURFACE_M));
         for (k, touchable) in self.colliders.iter().enumerate() {
+            let slot = stick * self.colliders.len() + k;
+            if self.seen[slot].is_far(point, point.x.same(0.0)) {
+                continue;
+            }
             let (gap, normal) = gaps(&scene.surfaces[touchable.collider], point);
-            let depth = self.slots[k * self.seen.len() + stick].clearance_m - gap;
+            let depth = self.slots[slot].clearance_m - gap;
             out = Vector::where_above(depth, deepest, normal * depth, out);
             deepest = deepest.max(depth);
         }
@@ -312,13 +321,13 @@ impl<L: Lane> Slot<L> {
         let done = friction.same(f64::from(f32::MAX)).above(push, touch.touches, friction.same(0.0));
         let sliding =
             velocity + mobility.mul_vector(normal.mul_add(push, self.rub) - before) - touch.surface_velocity;
-        let sliding = sliding - normal * normal.dot(sliding);
-        let speed = sliding.norm_squared().sqrt();
-        let along = sliding * (friction.same(1.0) / speed.max(tiny));
+        let sliding = sliding.across(normal);
+        // What would hold it, opposite to the sliding, but no more than twice what friction can do.
+        let speed2 = sliding.norm_squared();
         let bound = friction * push;
-        let mut rub = self.rub - along * (speed / yields(mobility, along)).min(bound + bound);
-        let rubs = rub.norm_squared().sqrt();
-        rub = rub * (bound / rubs.max(tiny)).min(friction.same(1.0));
+        let holds = (speed2 / yields(mobility, sliding)).min((bound + bound) * speed2.max(tiny).per_sqrt());
+        let mut rub = self.rub - sliding * holds;
+        rub = rub * (bound * rub.norm_squared().max(tiny).per_sqrt()).min(friction.same(1.0));
         self.push = done.above(friction.same(0.0), push, self.push);
         self.rub = Vector::where_above(done, friction.same(0.0), rub, self.rub);
         let after = normal.mul_add(self.push, self.rub);
