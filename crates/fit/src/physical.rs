@@ -42,8 +42,8 @@ pub struct PhysicalOptions {
     /// Half the way over which a swirl of middling size turns round, m > 0 ([`tousle_flow::SwirlKernel`]): swirls near a head are some
     /// 10 to 20 cm across.
     pub swirl_length_m: f64,
-    /// Error of a joint's bend, rad: what a spline between markers cannot see (curls of a few millimeters), and twist. If it
-    /// rises, less is told by the outer ends of locks, whose weight is small beside their stiffness.
+    /// Error of a joint's bend beyond the first marker, rad: what a spline between markers cannot see (curls of a few millimeters),
+    /// and twist. If it rises, less is told by the outer ends of locks, whose weight is small beside their stiffness.
     pub bend_error_rad: f64,
     /// How long the errors of a lock's moments last, s: that of its mass, its width and how it hung for as long as it leans so.
     /// If it rises, how a lock leans tells less of the wind, and how that changes tells more.
@@ -65,7 +65,7 @@ impl Default for PhysicalOptions {
             cutoff_hz: 12.0,
             max_modes: 100,
             swirl_length_m: 0.14,
-            bend_error_rad: 0.08,
+            bend_error_rad: 0.06,
             errors_last_secs: 0.1,
             fleeting_share: 0.5,
             stiffness_known: true,

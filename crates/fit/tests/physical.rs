@@ -26,9 +26,18 @@ fn wind(time_secs: f64) -> Vec3 {
     Vec3::new(1.8 + 0.6 * libm::sin(2.0 * core::f64::consts::PI * since), 0.5, 0.0) * rise
 }
 
+/// How a chain hangs on its root.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Root {
+    /// It leaves the root straight down, as locks do whose roots are clamped.
+    Clamped,
+    /// It turns freely.
+    Hinged,
+}
+
 /// A hanging chain of masses on stiff springs that resists bending, by semi-implicit Euler in steps of 0.1 ms; the air
 /// pushes each link across it as White's fit for a cylinder says. Nothing of it is shared with the crate.
-fn swing(root: Vec3, length_m: f64) -> Vec<Vec<Vec3>> {
+fn swing(held: Root, root: Vec3, length_m: f64) -> Vec<Vec<Vec3>> {
     let h = length_m / (POINTS - 1) as f64;
     let mass = DENSITY * h;
     let bending = 1.6e-6 / (h * h * h);
@@ -56,6 +65,10 @@ fn swing(root: Vec3, length_m: f64) -> Vec<Vec<Vec3>> {
                     * (0.6 * WIDTH_M * h * across.norm() * (1.0 + 10.0 * libm::pow(reynolds, -2.0 / 3.0)));
                 force[k] += drag * 0.5;
                 force[k - 1] += drag * 0.5;
+            }
+            if held == Root::Clamped {
+                // Half a link bends as one with twice the stiffness.
+                force[1] -= (x[1] - x[0] + Vec3::z() * h) * (2.0 * bending);
             }
             for k in 1..POINTS - 1 {
                 let bend = (x[k - 1] - x[k] * 2.0 + x[k + 1]) * bending;
@@ -108,6 +121,10 @@ fn session(roots: &[(Vec3, f64)]) -> Session {
 }
 
 fn capture() -> (HeadCapture, Session) {
+    capture_of(Root::Hinged)
+}
+
+fn capture_of(held: Root) -> (HeadCapture, Session) {
     let roots: Vec<(Vec3, f64)> = (0..6)
         .map(|k| {
             let angle = f64::from(k) * core::f64::consts::FRAC_PI_3;
@@ -115,7 +132,7 @@ fn capture() -> (HeadCapture, Session) {
         })
         .collect();
     let strands = roots.iter().enumerate().map(|(strand_idx, (root, length_m))| {
-        let frames = swing(*root, *length_m);
+        let frames = swing(held, *root, *length_m);
         let track = |point: &usize| -> Track { frames.iter().map(|frame| Some(frame[*point])).collect() };
         StrandTracks { strand_idx, markers: MARKER_POINTS.iter().map(track).collect() }
     });
@@ -153,9 +170,19 @@ fn error(fit: &Fit) -> f64 {
 
 #[test]
 fn a_known_wind_is_found_and_its_error_is_stated() {
-    let (head, session) = capture();
+    find_known_wind(Root::Clamped, 0.04);
+}
+
+/// The fit takes roots for clamped, but what it would see of that is where no marker is.
+#[test]
+fn roots_may_give_way() {
+    find_known_wind(Root::Hinged, 0.15);
+}
+
+fn find_known_wind(held: Root, most_off: f64) {
+    let (head, session) = capture_of(held);
     let fit = measured(&head, &session);
-    assert!(error(&fit) < 0.15, "{}", error(&fit));
+    assert!(error(&fit) < most_off, "{}", error(&fit));
     // The fan's setting is 17 % off in speed on average and 14° in direction: it was not just copied.
     let still = fit.samples.steps[20].iter().map(|s| s.value.norm()).fold(0.0, f64::max);
     assert!(still < 0.1, "{still} m/s in still air");

@@ -18,6 +18,12 @@ const FILL_RATE: f64 = 15.0;
 /// Error of a joint's stiffness as a share of it.
 const STIFFNESS_SHARE: f64 = 0.3;
 
+/// Error of a joint's bend before the first marker, rad, if it is not larger anyway: a clamped lock bends within some
+/// (EI / tension)^½ of its root, 2 cm, which a curve through markers does not draw, and whether the root gives way nobody sees.
+///
+/// If it rises, the inner ends of locks tell less, most of stiff ones. If it falls, a lock whose root gives way finds too strong a wind.
+const UNSEEN_BEND: f64 = 0.1;
+
 /// Error of a joint's bend, rad, of a lock that nobody saw at rest: what three numbers about each axis ([`super::constants`]) do
 /// not tell of its natural shape.
 const BEND_UNKNOWN: f64 = 0.2;
@@ -70,10 +76,14 @@ pub(crate) fn covariance(balance: &Balance<'_>) -> DMatrix<f64> {
         }
     }
     let mut covariance = &mixed * mixed.transpose();
+    let first_marker = seen.marker_points.iter().flatten().min().copied().unwrap_or(n);
     for j in 0..n {
         let stiffness = lock.joint_stiffness[j] * error_stiffness;
         let bend = match rest {
-            Some(_) => STIFFNESS_SHARE * at.bends[j].norm() + bend_error_rad,
+            Some(_) => {
+                let unseen = if j < first_marker { UNSEEN_BEND } else { 0.0 };
+                STIFFNESS_SHARE * at.bends[j].norm() + bend_error_rad.max(unseen)
+            }
             None => BEND_UNKNOWN,
         };
         let held = rest.map_or(0.0, |rest| REST_SHARE * rest.torques[j].norm());
