@@ -111,7 +111,7 @@ impl<L: Lane> Contacts<L> {
             let speed = work.velocity.norm_squared().sqrt();
             let margin_m = speed.mul_add(speed.same(2.0 * scene.dt_secs), speed.same(MARGIN_M));
             for k in 0..self.colliders.len() {
-                let slot = stick * self.colliders.len() + k;
+                let slot = self.slot(stick, k);
                 if is_still && self.seen[slot].is_far(work.end, margin_m) {
                     self.let_go(slot, margin_m);
                 } else {
@@ -119,6 +119,12 @@ impl<L: Lane> Contacts<L> {
                 }
             }
         }
+    }
+
+    /// The slot of a stick's end and the `k`-th collider.
+    #[inline(always)]
+    fn slot(&self, stick: usize, k: usize) -> usize {
+        stick * self.colliders.len() + k
     }
 
     /// A point is far from a surface: nothing of what bore it is left.
@@ -134,7 +140,7 @@ impl<L: Lane> Contacts<L> {
     /// Whether a stick's end may touch one of the colliders, the `k`-th, within the step.
     #[inline(always)]
     fn look(&mut self, (stick, k): (usize, usize), place: Vector<L>, margin_m: L, scene: &StepScene<'_>) {
-        let (slot, touchable) = (stick * self.colliders.len() + k, self.colliders[k]);
+        let (slot, touchable) = (self.slot(stick, k), self.colliders[k]);
         let (nothing, one) = (margin_m.same(0.0), margin_m.same(1.0));
         let remembered = &mut self.slots[slot];
         let clearance_m = remembered.clearance_m;
@@ -249,21 +255,17 @@ impl<L: Lane> Contacts<L> {
         }
         let nothing = root.x.same(0.0);
         let mut near = root;
-        for (stick, seen) in self.seen.chunks_exact(self.colliders.len()).enumerate() {
+        for (stick, Motion { direction, rate }) in motions.iter_mut().enumerate() {
             let length = sticks[stick].length;
-            let Motion { direction, rate } = &mut motions[stick];
-            let point = direction.mul_add(length, near);
-            if !seen.iter().all(|seen| seen.is_far(point, nothing)) {
-                for _ in 0..MAX_PUSHES {
-                    let (out, deepest) = self.way_out(direction.mul_add(length, near), stick, scene);
-                    let inside = deepest.above(root.x.same(ON_SURFACE_M), root.x.same(1.0), nothing);
-                    if !inside.any_above(nothing) {
-                        break;
-                    }
-                    let turned = direction.mul_add(length, out).normalized();
-                    *direction = Vector::where_above(inside, nothing, turned, *direction);
-                    *rate = Vector::where_above(inside, nothing, rate.across(*direction), *rate);
+            for _ in 0..MAX_PUSHES {
+                let (out, deepest) = self.way_out(direction.mul_add(length, near), stick, scene);
+                let inside = deepest.above(root.x.same(ON_SURFACE_M), root.x.same(1.0), nothing);
+                if !inside.any_above(nothing) {
+                    break;
                 }
+                let turned = direction.mul_add(length, out).normalized();
+                *direction = Vector::where_above(inside, nothing, turned, *direction);
+                *rate = Vector::where_above(inside, nothing, rate.across(*direction), *rate);
             }
             near = direction.mul_add(length, near);
         }
@@ -274,7 +276,7 @@ impl<L: Lane> Contacts<L> {
     fn way_out(&self, point: Vector<L>, stick: usize, scene: &StepScene<'_>) -> (Vector<L>, L) {
         let (mut out, mut deepest) = (Vector::none(point.x), point.x.same(ON_SURFACE_M));
         for (k, touchable) in self.colliders.iter().enumerate() {
-            let slot = stick * self.colliders.len() + k;
+            let slot = self.slot(stick, k);
             if self.seen[slot].is_far(point, point.x.same(0.0)) {
                 continue;
             }
@@ -291,7 +293,7 @@ impl<L: Lane> Contacts<L> {
 /// remains where the stick points into the surface: less than a tenth of it after each push.
 const MAX_PUSHES: usize = 8;
 
-/// How far a point goes along a direction for each newton.
+/// How far a point goes along a direction for each newton, times the square of the direction's length.
 #[inline(always)]
 fn yields<L: Lane>(mobility: &Symmetric<L>, along: Vector<L>) -> L {
     along.dot(mobility.mul_vector(along)).max(along.x.same(1e-30))
