@@ -257,12 +257,12 @@ fn bear<L: Lane>(
     let limit = held * limit_m.same(model.friction) * give;
     let along = relative - normal * leaving;
     let rub_secs = limit_m.same(RUB_SECS);
-    let slip = slip_before - normal * slip_before.dot(normal) + along * dt;
+    let slip = slip_before.across(normal) + along * dt;
     let mut pull = slip + along * rub_secs;
     if moving.own_from_head.is_some() {
         let hops = Hops { held, approach: (-leaving).max(zero), friction: limit_m.same(model.friction) };
         let mass = stiffness * limit_m.same(1.0 / (CONTACT_RATE * CONTACT_RATE));
-        pull = hops.tilt(pull, along, direction - normal * direction.dot(normal), mass);
+        pull = hops.tilt(pull, along, direction.across(normal), mass);
     }
     let share = share_within(limit, pull);
     let rub = stiffness * share;
