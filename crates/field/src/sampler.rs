@@ -1,7 +1,9 @@
+mod ghosts;
 mod layers;
 mod places;
 
 use crate::{Field, FieldLayer, FieldSequence, Window};
+use ghosts::{GhostVectors, Ghosts};
 use layers::Placed;
 use places::{Places, Raw, Voxels, lay_together};
 use std::sync::{Arc, OnceLock};
@@ -9,13 +11,15 @@ use tousle_core::Vec3;
 
 /// A field ready to be asked by very many points, in single precision.
 ///
-/// Beside [`FieldSequence::at`] it knows where no air is and can lay the two steps around a time together once for
+/// Beside [`FieldSequence::at`] it knows where no air is and what stands in for it, and can lay the two steps around a time together once for
 /// all points.
 #[derive(Clone, Debug)]
 pub struct Sampler<'a> {
     sequence: &'a FieldSequence,
-    /// 1 for each voxel with air, 0 for one without; `None` if all have some.
-    air: Option<Arc<[f32]>>,
+    /// What stands in for air where there is none; `None` if all voxels have some.
+    ghosts: Option<Arc<Ghosts>>,
+    /// Each step's, once someone asks for it.
+    ghost_vectors: Arc<[OnceLock<GhostVectors>]>,
     /// What is laid out of each step.
     kept: Window,
     /// Each step as it is looked up, once someone asks for it.
@@ -69,9 +73,7 @@ impl<'a> Sampler<'a> {
     /// A sampler of a field that [`FieldSequence::check`] has passed.
     ///
     /// `is_solid` says whether a point of head space, m, lies in the head. A voxel whose center does and whose vector
-    /// is exactly zero in every step holds no air: read between voxel centers, such zeros would slow the wind down
-    /// over a whole voxel outside, which hair close to the scalp would feel. Between voxels with and without air, the
-    /// weights of those with air make up the whole.
+    /// is exactly zero in every step holds no air. Where there is air beside it, it is read as that goes on towards it.
     pub fn new(sequence: &'a FieldSequence, is_solid: impl Fn(Vec3) -> bool) -> Self {
         let grid = &sequence.grid;
         let n = grid.n_voxels();
@@ -83,7 +85,6 @@ impl<'a> Sampler<'a> {
         };
         let has_air: Vec<bool> =
             (0..n).map(|v| !(is_solid(grid.cell_center_m(grid.unflat(v))) && is_empty(v))).collect();
-        let any_without = has_air.iter().any(|air| !air);
         let shortest = grid.dims.iter().copied().min().unwrap_or(1) as f64 * grid.edge_m;
         let is_still = |step: &Field| step.outside == Vec3::zeros() && step.u.iter().all(|u| *u == 0.0);
         Self {
@@ -91,7 +92,8 @@ impl<'a> Sampler<'a> {
             kept: Window::whole(grid),
             laid_out: sequence.steps.iter().map(|_| OnceLock::new()).collect(),
             is_still: sequence.steps.iter().map(is_still).collect(),
-            air: any_without.then(|| has_air.iter().map(|air| f32::from(u8::from(*air))).collect()),
+            ghosts: Ghosts::of(grid, &has_air).map(Arc::new),
+            ghost_vectors: sequence.steps.iter().map(|_| OnceLock::new()).collect(),
             layers: Placed::common(&sequence.layers),
             origin: grid.origin_m.map(|c| c as f32).into(),
             per_edge: (1.0 / grid.edge_m) as f32,
@@ -180,21 +182,28 @@ impl<'a> Sampler<'a> {
     fn raw(&self, step: usize) -> Raw<'_> {
         let field = &self.sequence.steps[step];
         let n = field.flags.len();
-        Raw { vectors: [0, 1, 2].map(|axis| &field.u[axis * n..][..n]), air: self.air.as_deref() }
+        let ghosts = self.ghosts.as_deref().map(|ghosts| {
+            let vectors = self.ghost_vectors[step].get_or_init(|| ghosts.vectors(field));
+            (ghosts, &vectors[..])
+        });
+        Raw { vectors: [0, 1, 2].map(|axis| &field.u[axis * n..][..n]), ghosts }
     }
 
     fn lay_out(&self, step: usize) -> Voxels {
-        let Raw { vectors, air } = self.raw(step);
+        let Raw { vectors, ghosts } = self.raw(step);
+        let grid = &self.sequence.grid;
         let mut voxels = vec![[0.0; 4]; self.kept.n_voxels() + 1];
-        for (voxels, row) in voxels.chunks_mut(self.kept.dims[2]).zip(self.kept.rows(&self.sequence.grid)) {
+        for (voxels, row) in voxels.chunks_mut(self.kept.dims[2]).zip(self.kept.rows(grid)) {
             // Slices of one length: only so the compiler makes vector instructions of the loop.
             let [x, y, z] = vectors.map(|component| &component[row.clone()]);
             for (k, voxel) in voxels.iter_mut().enumerate() {
-                *voxel = [x[k], y[k], z[k], 1.0];
+                *voxel = [x[k], y[k], z[k], 0.0];
             }
-            if let Some(air) = air {
-                for (voxel, air) in voxels.iter_mut().zip(&air[row]) {
-                    voxel[3] = *air;
+        }
+        if let Some((ghosts, vectors)) = ghosts {
+            for (flat, [x, y, z]) in ghosts.flats().zip(vectors) {
+                if let Some(place) = self.kept.place(grid.unflat(flat)) {
+                    voxels[place] = [*x, *y, *z, 0.0];
                 }
             }
         }
@@ -264,7 +273,7 @@ impl Moment<'_> {
         self.is_still
     }
 
-    /// The vectors at points, head space, m, layers included; where no air is, zero. By components.
+    /// The vectors at points, head space, m, layers included; deep in a head, zero. By components.
     ///
     /// Inlined into the caller, so that it is compiled for the processor that the caller was dispatched for.
     #[inline(always)]
@@ -281,9 +290,8 @@ impl Moment<'_> {
         };
         let mut vectors = [[0.0; WIDTH]; 3];
         for k in 0..WIDTH {
-            let per_weight = if sums[k][3] > 1e-6 { 1.0 / sums[k][3] } else { 0.0 };
             for axis in 0..3 {
-                let inside = sums[k][axis] * per_weight;
+                let inside = sums[k][axis];
                 vectors[axis][k] = inside + (self.outside[axis] - inside) * places.far[k];
             }
         }
@@ -408,18 +416,26 @@ mod tests {
         assert_eq!(sampler.with_layers(&common).at(1.0, Reading::LaidOut).sample([0.0; 3]), [0.0, 0.0, 1.0]);
     }
 
-    /// Right outside a head that holds no air the wind is that of the nearest air, not a mixture with nothing.
+    /// Right outside a head that holds no air the wind is what it is farther off, as it changes towards the head, and not a mixture
+    /// with nothing.
     #[test]
-    fn a_head_without_air_does_not_slow_the_wind() {
+    fn the_wind_goes_on_to_a_head_without_air() {
         let grid = GridSpec::cube(0.6, 0.1).unwrap();
         let in_head = |p: Vec3| p.norm() < 0.12;
         let sequence = sequence(grid, in_head);
-        let point = [0.14f32, 0.0, 0.0];
-        let blind = Sampler::new(&sequence, |_| false).at(0.0, Reading::LaidOut).sample(point);
-        for reading in READINGS {
-            let seeing = Sampler::new(&sequence, in_head);
-            let found = seeing.at(0.0, reading).sample(point);
-            assert!((found[2] - 1.0).abs() < 1e-5 && blind[2] < 0.95, "{found:?} {blind:?}");
+        let seeing = Sampler::new(&sequence, in_head);
+        let blind = Sampler::new(&sequence, |_| false);
+        for k in 0..200 {
+            let angle = f64::from(k);
+            let way = Vec3::new(libm::cos(angle), libm::sin(angle), libm::sin(0.37 * angle)).normalize();
+            let at = way * (0.12 + 0.0005 * angle);
+            let (expected, point) = (Vec3::new(1.0 + at.x, 2.0 + at.y, 1.0), at.map(|c| c as f32).into());
+            for reading in READINGS {
+                let found = Vec3::from(seeing.at(0.0, reading).sample(point).map(f64::from));
+                assert!((found - expected).norm() < 1e-5, "{found}, not {expected}, at {at}");
+            }
+            let slowed = blind.at(0.0, Reading::LaidOut).sample(point)[2];
+            assert!(k > 0 || slowed < 0.95, "the head has no air: {slowed}");
         }
     }
 }

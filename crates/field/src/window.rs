@@ -28,6 +28,19 @@ impl Window {
         self.dims.iter().product()
     }
 
+    /// Where a voxel of the grid is among its own, in the order of [`Window::rows`]; `None` if it is not.
+    pub fn place(&self, VoxelIndex(voxel): VoxelIndex) -> Option<usize> {
+        let mut place = 0;
+        for axis in 0..3 {
+            let along = voxel[axis].checked_sub(self.first[axis])?;
+            if along >= self.dims[axis] {
+                return None;
+            }
+            place = place * self.dims[axis] + along;
+        }
+        Some(place)
+    }
+
     /// The flat indices, in the whole grid, of each row along z: x slowest.
     pub fn rows(self, grid: &GridSpec) -> impl Iterator<Item = Range<usize>> {
         let ([x, y, z], [nx, ny, nz], grid) = (self.first, self.dims, *grid);

@@ -1,6 +1,7 @@
 //! What points need of the voxels around them.
 
 use super::WIDTH;
+use super::ghosts::Ghosts;
 
 /// Where some points lie in the grid.
 pub(super) struct Places {
@@ -13,7 +14,7 @@ pub(super) struct Places {
     pub far: [f32; WIDTH],
 }
 
-/// A vector and a weight (0 without air) a voxel, and one voxel more, so that each has a next one.
+/// A vector and a number that stands for nothing a voxel, and one voxel more, so that each has a next one.
 pub(super) type Voxels = Box<[[f32; 4]]>;
 
 /// A step as it lies in memory.
@@ -21,7 +22,8 @@ pub(super) type Voxels = Box<[[f32; 4]]>;
 pub(super) struct Raw<'a> {
     /// By components.
     pub vectors: [&'a [f32]; 3],
-    pub air: Option<&'a [f32]>,
+    /// Voxels that are read as something else, and as what.
+    pub ghosts: Option<(&'a Ghosts, &'a [[f32; 3]])>,
 }
 
 /// Two steps mixed in every voxel.
@@ -53,8 +55,15 @@ impl Pairs for &Raw<'_> {
         let [x, y, z] = self.vectors;
         let this = flat as usize;
         let next = (this + 1).min(x.len() - 1);
-        let [w, next_w] = self.air.map_or([1.0; 2], |air| [air[this], air[next]]);
-        [x[this], y[this], z[this], w, x[next], y[next], z[next], next_w]
+        let mut pair = [x[this], y[this], z[this], 0.0, x[next], y[next], z[next], 0.0];
+        if let Some((ghosts, vectors)) = self.ghosts {
+            for (half, flat) in pair.chunks_exact_mut(4).zip([this, next]) {
+                if let Some(ghost) = ghosts.at(flat) {
+                    half[..3].copy_from_slice(&vectors[ghost]);
+                }
+            }
+        }
+        pair
     }
 }
 
@@ -73,7 +82,7 @@ impl Places {
         ]
     }
 
-    /// Vectors and weights between the eight voxels around each point, by components.
+    /// Vectors between the eight voxels around each point, by components.
     #[inline(always)]
     pub fn gather(&self, voxels: &Voxels) -> [[f32; 4]; WIDTH] {
         let mut pairs = [[0.0; 8]; WIDTH];
