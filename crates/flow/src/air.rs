@@ -20,8 +20,8 @@ pub struct AirFlow {
 /// The air at one time step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AirState {
-    /// The coefficients of the swirl modes, then the wind far away (head axes, m/s), the wake's strength, and the logarithm
-    /// of the layer's thickness in m.
+    /// The coefficients of the swirl modes, then the wind far away (head axes, m/s), the wake's strength, the logarithm
+    /// of the layer's displacement thickness in m, and the share of the stream that slips past the scalp.
     pub values: DVector<f64>,
     /// Their covariance; `None` where nobody asked for it, which counts as if they were known.
     pub covariance: Option<DMatrix<f64>>,
@@ -32,7 +32,13 @@ pub struct AirState {
 }
 
 /// How many numbers of a state are no swirl.
-pub const N_STREAM: usize = 5;
+pub const N_STREAM: usize = 6;
+
+/// How far the logarithm of the layer's thickness may move at once.
+const LOG_LAYER_STEP: f64 = 0.5;
+
+/// How far the share that slips past the scalp may move at once.
+const SLIP_STEP: f64 = 0.2;
 
 impl AirState {
     /// Coefficients of swirls.
@@ -51,16 +57,30 @@ impl AirState {
         self.values[self.n_modes() + 3]
     }
 
-    /// The thickness of the layer at the scalp, m.
+    /// The displacement thickness of the layer at the scalp, m.
     pub fn layer_m(&self) -> f64 {
         libm::exp(self.values[self.n_modes() + 4])
     }
 
-    /// Brings wake and layer back to where they mean something: 0 to 1 of the stream, and 1 to 50 mm.
-    pub fn tame(&mut self) {
+    /// The share of the stream that slips past the scalp.
+    pub fn slip(&self) -> f64 {
+        self.values[self.n_modes() + 5]
+    }
+
+    /// Takes other values, but those of wake, layer and slip only where they mean something: 0 to 1 of the stream, and 1 to 50 mm.
+    ///
+    /// Layer and slip go no farther than [`LOG_LAYER_STEP`] and [`SLIP_STEP`] at once: values that were solved for as if the wind were
+    /// linear in them are right nearby only, and farther off they would come back and go again.
+    pub fn move_to(&mut self, values: DVector<f64>) {
         let n = self.n_modes();
-        self.values[n + 3] = self.values[n + 3].clamp(0.0, 1.0);
-        self.values[n + 4] = self.values[n + 4].clamp(libm::log(1e-3), libm::log(5e-2));
+        let was = core::mem::replace(&mut self.values, values);
+        let mut keep = |at: usize, step: f64, [least, most]: [f64; 2]| {
+            let value = &mut self.values[n + at];
+            *value = value.clamp(was[n + at] - step, was[n + at] + step).clamp(least, most);
+        };
+        keep(3, f64::INFINITY, [0.0, 1.0]);
+        keep(4, LOG_LAYER_STEP, [libm::log(1e-3), libm::log(5e-2)]);
+        keep(5, SLIP_STEP, [0.0, 1.0]);
     }
 
     /// Lets a coefficient of 1 stand for another strength of swirls, m/s > 0; the swirls stay.
@@ -157,7 +177,7 @@ impl AirFlow {
     /// The stream at a step.
     pub fn now(&self, step: usize) -> StreamNow {
         let state = &self.states[step];
-        self.stream.now(state.outside(), &state.fans, state.wake(), state.layer_m())
+        self.stream.now(state.outside(), &state.fans, state.wake(), state.layer_m(), state.slip())
     }
 
     /// The velocity at a step and a point whose stream is known, as is that of the step. How it changes is written to `change`, as in
@@ -209,6 +229,7 @@ impl AirFlow {
             }
             row[n_modes + 3] = wind.by_wake[axis];
             row[n_modes + 4] = wind.by_log_layer[axis];
+            row[n_modes + 5] = wind.by_slip[axis];
         }
         (velocity, strength_mps)
     }
@@ -355,7 +376,7 @@ mod tests {
         points.insert(3, Vec3::repeat(0.4));
         let n = modes.n_modes() + N_STREAM;
         let mut values = DVector::from_fn(n, |i, _| 0.1 * i as f64);
-        values[n - 1] = -4.0;
+        values[n - 2] = -4.0;
         let covariance = DMatrix::from_fn(n, n, |r, c| if r == c { 0.5 } else { 0.01 });
         let state =
             AirState { values, covariance: Some(covariance.clone()), swirl_mps: 0.4, fans: Vec::new() };

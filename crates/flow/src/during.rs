@@ -32,7 +32,8 @@ pub struct AirSteps<'a> {
     outside: [Row; 3],
     /// The wakes' strength.
     wake: Row,
-    /// One over the thickness of the layer at the scalp, 1/m.
+    /// What the layer takes at the scalp, and that over its displacement thickness, 1/m.
+    taken: Row,
     per_layer: Row,
     parts: Vec<PartSteps>,
     /// Swirls at the nodes of the modes, m/s.
@@ -86,7 +87,8 @@ impl AirFlow {
             n_steps: nows.len(),
             outside: vector(&|k| nows[k].outside),
             wake: row(&|k| nows[k].wake),
-            per_layer: row(&|k| 1.0 / nows[k].layer_m),
+            per_layer: row(&|k| (1.0 - nows[k].slip) / nows[k].layer_m),
+            taken: row(&|k| 1.0 - nows[k].slip),
             parts: (0..n_parts).map(part).collect(),
             nodes: registers
                 .with_lanes(Precision::Single, Blowing { modes: &self.modes, coefficients: &coefficients }),
@@ -174,6 +176,7 @@ impl<F: FnMut(usize, usize, [&[f32]; 3])> WithLanes for Reading<'_, F> {
                 outside: Vector::of_single(zero, &steps.outside, from),
                 wake: row(&steps.wake),
                 per_layer: row(&steps.per_layer),
+                taken: row(&steps.taken),
                 parts: &steps
                     .parts
                     .iter()
@@ -198,6 +201,7 @@ struct AirLanes<'a, L> {
     outside: Vector<L>,
     wake: L,
     per_layer: L,
+    taken: L,
     parts: &'a [(Vector<L>, LeeLanes<L>)],
 }
 
@@ -218,8 +222,9 @@ impl<L: Lane, F: FnMut(usize, usize, [&[f32]; 3])> NullaryFnOnce for ReadingAt<'
                 }
             }
             if let Some(near) = &point.stream.near {
-                // 1 − e^(−d/δ) is left at the scalp.
-                wind = wind * -fade(like.same(near.distance_m) * air.per_layer);
+                // 1 − (1 − s) e^(−(1 − s) d/δ) is left at the scalp.
+                let fades = fade(like.same(near.distance_m) * air.per_layer);
+                wind = wind * (like.same(1.0) - air.taken.mul_add(fades, air.taken));
             }
             wind.put_single(&mut rows, 0);
             put(k, from, [0, 1, 2].map(|axis| &rows[axis][..L::N]));
@@ -273,6 +278,7 @@ mod tests {
                 0.3,
                 0.6,
                 -4.5,
+                0.3,
             ]);
             // Fans come and go, and so do parts.
             let fans = [Vec3::x(), Vec3::new(0.6, 0.8, 0.0)][..step % 3].to_vec();

@@ -1,6 +1,8 @@
 //! What friction takes from the stream round an ellipsoid: a thin slow layer at the surface and a wake behind it.
 //!
-//! The layer leaves 1 − exp(−d/δ) of the stream at a distance d from the surface. The wake slows the stream by a share A on the
+//! The layer leaves 1 − (1 − s) exp(−(1 − s) d/δ) of the stream at a distance d from the surface, past which the share s slips: air
+//! stands still at skin, but hair, and a head that is not quite its ellipsoid, hide where that is. δ is the displacement thickness: so
+//! far the stream would have to be moved off for as much of it to be missing, whatever slips. The wake slows the stream by a share A on the
 //! axis behind the body, as a bell across it about as wide as the body, rising over its rear half and dying out with the
 //! distance as (1 + x/2R)^(−2/3), the law of a round body's far wake (Schlichting, "Boundary-Layer Theory", on wakes). A real
 //! head's layer and wake are neither as simple nor steady: what the hair says corrects them.
@@ -24,14 +26,29 @@ pub(crate) fn distance_m(half_axes_m: Vec3, from_center_m: Vec3) -> f64 {
 /// The layer is over where it takes less than e⁻²⁵ of the stream.
 const LAYER_ENDS: f64 = 25.0;
 
-/// The share of the stream that is left by the layer at the surface: 0 inside, 1 far away.
-pub(crate) fn layer(distance_m: f64, layer_m: f64) -> f64 {
-    if distance_m <= 0.0 {
-        0.0
-    } else if distance_m > LAYER_ENDS * layer_m {
-        1.0
-    } else {
-        1.0 - exp(-distance_m / layer_m)
+/// A layer's share of the stream at a distance: what is left of it, and how that changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Layer {
+    /// 1 far away.
+    pub(crate) left: f64,
+    /// With the logarithm of the layer's displacement thickness.
+    pub(crate) by_log_thickness: f64,
+    /// With the share that slips past the surface.
+    pub(crate) by_slip: f64,
+}
+
+impl Layer {
+    /// `thickness_m`: the displacement thickness.
+    pub(crate) fn at(distance_m: f64, thickness_m: f64, slip: f64) -> Self {
+        let taken = 1.0 - slip;
+        let deep = taken * distance_m / thickness_m;
+        let fades = if deep > LAYER_ENDS { 0.0 } else { exp(-deep) };
+        Self {
+            left: 1.0 - taken * fades,
+            // (1 − s) e^(−x), x = (1 − s) d/δ.
+            by_log_thickness: -taken * fades * deep,
+            by_slip: fades * (1.0 - deep),
+        }
     }
 }
 
@@ -138,4 +155,29 @@ impl<L: Lane> LeeLanes<L> {
 fn smooth_step(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever slips, as much of the stream is missing as over the displacement thickness; and it changes as it says.
+    #[test]
+    fn a_layer_takes_its_displacement_thickness() {
+        const SLICE_M: f64 = 1e-5;
+        for slip in [0.0, 0.3, 0.8] {
+            let left = |k: usize| Layer::at((k as f64 + 0.5) * SLICE_M, 0.006, slip).left;
+            let missing_m: f64 = (0..50_000).map(|k| (1.0 - left(k)) * SLICE_M).sum();
+            assert!((missing_m - 0.006).abs() < 1e-6, "{missing_m} at {slip}");
+            assert!((Layer::at(0.0, 0.006, slip).left - slip).abs() < 1e-15);
+            for distance_m in [0.0, 0.002, 0.01, 0.05] {
+                let layer = Layer::at(distance_m, 0.006, slip);
+                let by = |log: f64, slip_by: f64| {
+                    Layer::at(distance_m, 0.006 * libm::exp(log), slip + slip_by).left - layer.left
+                };
+                assert!((by(1e-6, 0.0) / 1e-6 - layer.by_log_thickness).abs() < 1e-5);
+                assert!((by(0.0, 1e-6) / 1e-6 - layer.by_slip).abs() < 1e-5);
+            }
+        }
+    }
 }

@@ -1,6 +1,6 @@
 use crate::PotentialFlow;
-use crate::shelter::{Lee, distance_m, layer};
-use nalgebra::{DMatrix, Matrix3, Matrix3x5};
+use crate::shelter::{Layer, Lee, distance_m};
+use nalgebra::{DMatrix, Matrix3, Matrix3x6};
 use tousle_core::{Attachment, Body, Shape, Vec3};
 
 /// How the wind far away becomes the wind near a head.
@@ -33,8 +33,10 @@ pub struct StreamNow {
     pub(crate) outside: Vec3,
     /// The wakes' strength.
     pub(crate) wake: f64,
-    /// The thickness of the layer at the scalp, m.
+    /// The displacement thickness of the layer at the scalp, m.
     pub(crate) layer_m: f64,
+    /// The share of the stream that slips past the scalp.
+    pub(crate) slip: f64,
     /// The parts of the wind far away.
     pub(crate) parts: Vec<PartNow>,
 }
@@ -81,8 +83,9 @@ impl Stream {
     }
 
     /// The stream while the wind far away is `outside`, head axes, m/s, blown by `fans` ([`stream_parts`]), behind wakes of
-    /// strength `wake` and in a layer `layer_m` thick.
-    pub fn now(&self, outside: Vec3, fans: &[Vec3], wake: f64, layer_m: f64) -> StreamNow {
+    /// strength `wake` and in a layer of displacement
+    /// thickness `layer_m`, in which the share `slip` is left at the scalp.
+    pub fn now(&self, outside: Vec3, fans: &[Vec3], wake: f64, layer_m: f64, slip: f64) -> StreamNow {
         let parts = self.head.map_or_else(Vec::new, |(_, half_axes_m, _)| {
             let with_lee = |part: StreamPart| PartNow {
                 share: part.share,
@@ -91,7 +94,7 @@ impl Stream {
             };
             stream_parts(outside, fans).into_iter().map(with_lee).collect()
         });
-        StreamNow { outside, wake, layer_m, parts }
+        StreamNow { outside, wake, layer_m, slip, parts }
     }
 }
 
@@ -148,13 +151,15 @@ pub struct StreamWind {
     pub by_wake: Vec3,
     /// Its change with the logarithm of the layer's thickness, m/s.
     pub by_log_layer: Vec3,
+    /// Its change with the share that slips past the scalp, m/s.
+    pub by_slip: Vec3,
 }
 
 impl StreamWind {
     /// Its change with all that it hangs on: a column for each.
-    pub(crate) fn change(&self) -> Matrix3x5<f64> {
+    pub(crate) fn change(&self) -> Matrix3x6<f64> {
         let [x, y, z] = [0, 1, 2].map(|c| self.by_outside.column(c).into_owned());
-        Matrix3x5::from_columns(&[x, y, z, self.by_wake, self.by_log_layer])
+        Matrix3x6::from_columns(&[x, y, z, self.by_wake, self.by_log_layer, self.by_slip])
     }
 }
 
@@ -168,21 +173,22 @@ impl StreamAt {
                 by_outside: self.potential,
                 by_wake: Vec3::zeros(),
                 by_log_layer: Vec3::zeros(),
+                by_slip: Vec3::zeros(),
             };
         };
-        let layer = layer(near.distance_m, now.layer_m);
+        let layer = Layer::at(near.distance_m, now.layer_m, now.slip);
         // What all wakes of strength 1 take.
         let in_lee: Matrix3<f64> =
             now.parts.iter().map(|part| part.share * part.lee.share(near.from_center_m)).sum();
         let left = self.potential * (Matrix3::identity() - in_lee * now.wake);
-        // 1 − e^(−x) changes with ln δ as −x e^(−x).
-        let by_log_layer = (1.0 - layer) * (-near.distance_m / now.layer_m);
+        let past = left * now.outside;
         StreamWind {
-            layer,
-            velocity: left * now.outside * layer,
-            by_outside: left * layer,
-            by_wake: self.potential * in_lee * now.outside * -layer,
-            by_log_layer: left * now.outside * by_log_layer,
+            layer: layer.left,
+            velocity: past * layer.left,
+            by_outside: left * layer.left,
+            by_wake: self.potential * in_lee * now.outside * -layer.left,
+            by_log_layer: past * layer.by_log_thickness,
+            by_slip: past * layer.by_slip,
         }
     }
 }

@@ -33,9 +33,10 @@ const UNNAMED_MPS: f64 = 3.0;
 /// Draft in a room before the fans are on, m/s.
 const DRAFT_MPS: f64 = 0.05;
 
-/// Wake and layer: mean, standard deviation, and how long they stay, s.
+/// Wake, layer, and what slips past the scalp: mean, standard deviation, and how long they stay, s; the last for a whole capture.
 pub(crate) const WAKE: [f64; 3] = [0.6, 0.3, 1.0];
 pub(crate) const LOG_LAYER: [f64; 3] = [-4.4, 0.7, 2.0];
+pub(crate) const SLIP: [f64; 3] = [0.3, 0.3, 1000.0];
 
 /// How strong swirls are in a stream, m/s.
 pub(crate) fn swirl_mps(outside: Vec3, share: f64) -> f64 {
@@ -73,7 +74,7 @@ pub(crate) fn is_still(problem: &Problem<'_>, step: usize) -> bool {
     problem.still.is_some_and(|(first, last)| (first..=last).contains(&frame))
 }
 
-/// The state's prior: swirls about nothing, carried as [`carried`] says, wake and layer about what is usual, the wind far away
+/// The state's prior: swirls about nothing, carried as [`carried`] says, wake, layer and slip about what is usual, the wind far away
 /// from step to step.
 pub(crate) fn wander(problem: &Problem<'_>, fan_wind: &[FanWind], n_modes: usize) -> Wander {
     let n = n_modes + N_STREAM;
@@ -83,7 +84,7 @@ pub(crate) fn wander(problem: &Problem<'_>, fan_wind: &[FanWind], n_modes: usize
     let mut keeps = DVector::zeros(n);
     let mut mean = DVector::zeros(n);
     let mut sd = DVector::from_element(n, 1.0);
-    for (i, [value, spread, lasts]) in [WAKE, LOG_LAYER].iter().enumerate() {
+    for (i, [value, spread, lasts]) in [WAKE, LOG_LAYER, SLIP].iter().enumerate() {
         let at = n_modes + 3 + i;
         (keeps[at], mean[at], sd[at]) = (keep(*lasts), *value, *spread);
     }

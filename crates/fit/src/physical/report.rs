@@ -16,8 +16,10 @@ pub struct PhysicalReport {
     pub n_modes: usize,
     /// Share of the stream that the wake takes on its axis, mean over the time in which wind may blow.
     pub wake: f64,
-    /// Thickness of the slow layer at the scalp, m, mean over the same time.
+    /// Displacement thickness of the slow layer at the scalp, m, mean over the same time.
     pub layer_m: f64,
+    /// Share of the stream that slips past the scalp, mean over the same time.
+    pub slip: f64,
     /// Speed of the wind far away, m/s, mean over the same time.
     pub outside_mps: f64,
     /// Mean square of what is left of the moments, over what was expected: 1 if the errors were as large as assumed.
@@ -56,6 +58,7 @@ pub(crate) fn report(problem: &Problem<'_>, solved: &Solved) -> PhysicalReport {
         n_modes: solved.air.modes.n_modes(),
         wake: mean(&AirState::wake),
         layer_m: mean(&AirState::layer_m),
+        slip: mean(&AirState::slip),
         outside_mps: mean(&|state| state.outside().norm()),
         left_over: solved.left_over,
     }

@@ -6,7 +6,7 @@ use super::evidence::Station;
 use super::lock::SeenLock;
 use super::moments::{Balance, DragSlope};
 use super::prior::{
-    FanWind, LOG_LAYER, SWIRL_SHARE, WAKE, carried, fan_wind, known_outside, swirl_mps, wander,
+    FanWind, LOG_LAYER, SLIP, SWIRL_SHARE, WAKE, carried, fan_wind, known_outside, swirl_mps, wander,
 };
 use super::smoother::{Said, most_likely};
 use super::statements::{StepSaid, ask};
@@ -244,9 +244,8 @@ fn step_states(
     let with_covariance = sureness != Sureness::Unasked;
     let (likely, constants) = most_likely(&wander, carried, of_air, of_constants, with_covariance)?;
     for (state, likely) in air.states.iter_mut().zip(likely) {
-        state.values = likely.state;
+        state.move_to(likely.state);
         state.covariance = likely.covariance;
-        state.tame();
     }
     let constants = constants.unwrap_or_else(|| DVector::zeros(problem.locks.len() * N_CONSTANTS));
     let of_lock = |constants: &[f64]| core::array::from_fn(|i| constants[i]);
@@ -269,7 +268,7 @@ fn learnt_share(air: &AirFlow) -> f64 {
     air.swirl_share * times.clamp(0.3, 3.0)
 }
 
-/// The fans' wind, no swirls, and wake and layer as they usually are.
+/// The fans' wind, no swirls, and wake, layer and slip as they usually are.
 fn first_guess(problem: &Problem<'_>, fan_wind: &[FanWind]) -> AirFlow {
     let stream = Stream::round(&problem.session.body);
     let modes = modes(problem, &stream);
@@ -278,7 +277,14 @@ fn first_guess(problem: &Problem<'_>, fan_wind: &[FanWind]) -> AirFlow {
     let state = |fans: &FanWind| {
         let fan = fans.velocity;
         let mut values = DVector::zeros(n);
-        values.rows_mut(n_modes, N_STREAM).copy_from_slice(&[fan.x, fan.y, fan.z, WAKE[0], LOG_LAYER[0]]);
+        values.rows_mut(n_modes, N_STREAM).copy_from_slice(&[
+            fan.x,
+            fan.y,
+            fan.z,
+            WAKE[0],
+            LOG_LAYER[0],
+            SLIP[0],
+        ]);
         AirState {
             values,
             covariance: None,
