@@ -31,12 +31,12 @@ impl Window {
     /// Where a voxel of the grid is among its own, in the order of [`Window::rows`]; `None` if it is not.
     pub fn place(&self, VoxelIndex(voxel): VoxelIndex) -> Option<usize> {
         let mut place = 0;
-        for axis in 0..3 {
-            let along = voxel[axis].checked_sub(self.first[axis])?;
-            if along >= self.dims[axis] {
+        for ((voxel, first), n) in voxel.iter().zip(self.first).zip(self.dims) {
+            let along = voxel.checked_sub(first)?;
+            if along >= n {
                 return None;
             }
-            place = place * self.dims[axis] + along;
+            place = place * n + along;
         }
         Some(place)
     }

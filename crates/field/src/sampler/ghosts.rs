@@ -85,11 +85,8 @@ fn lines(grid: &GridSpec, has_air: &[bool], flat: usize) -> Box<[Line]> {
     let VoxelIndex(own) = grid.unflat(flat);
     let at = |by: [isize; 3], times: isize| -> Option<usize> {
         let mut voxel = own;
-        for axis in 0..3 {
-            voxel[axis] = voxel[axis].checked_add_signed(times * by[axis])?;
-            if voxel[axis] >= grid.dims[axis] {
-                return None;
-            }
+        for ((place, by), n) in voxel.iter_mut().zip(by).zip(grid.dims) {
+            *place = place.checked_add_signed(times * by).filter(|place| *place < n)?;
         }
         let flat = grid.flat(VoxelIndex(voxel));
         has_air[flat].then_some(flat)
