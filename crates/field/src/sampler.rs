@@ -11,8 +11,8 @@ use tousle_core::Vec3;
 
 /// A field ready to be asked by very many points, in single precision.
 ///
-/// Beside [`FieldSequence::at`] it knows where no air is and what stands in for it, and can lay the two steps around a time together once for
-/// all points.
+/// Beside [`FieldSequence::at`] it knows where no air is and what stands in for it, and can lay the two steps around a
+/// time together once for all points.
 #[derive(Clone, Debug)]
 pub struct Sampler<'a> {
     sequence: &'a FieldSequence,

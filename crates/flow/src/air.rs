@@ -69,8 +69,8 @@ impl AirState {
 
     /// Takes other values, but those of wake, layer and slip only where they mean something: 0 to 1 of the stream, and 1 to 50 mm.
     ///
-    /// Layer and slip go no farther at once than by a factor of 1.6 and by a fifth of the stream: values that were solved for as if the wind were
-    /// linear in them are right nearby only, and farther off they would come back and go again.
+    /// Layer and slip go no farther at once than by a factor of 1.6 and by a fifth of the stream: values that were solved
+    /// for as if the wind were linear in them are right nearby only, and farther off they would come back and go again.
     pub fn move_to(&mut self, values: DVector<f64>) {
         let n = self.n_modes();
         let was = core::mem::replace(&mut self.values, values);

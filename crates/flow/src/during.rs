@@ -32,8 +32,9 @@ pub struct AirSteps<'a> {
     outside: [Row; 3],
     /// The wakes' strength.
     wake: Row,
-    /// What the layer takes at the scalp, and that over its displacement thickness, 1/m.
+    /// The share that the layer takes at the scalp.
     taken: Row,
+    /// That over the layer's displacement thickness, 1/m.
     per_layer: Row,
     parts: Vec<PartSteps>,
     /// Swirls at the nodes of the modes, m/s.

@@ -83,8 +83,7 @@ impl Stream {
     }
 
     /// The stream while the wind far away is `outside`, head axes, m/s, blown by `fans` ([`stream_parts`]), behind wakes of
-    /// strength `wake` and in a layer of displacement
-    /// thickness `layer_m`, in which the share `slip` is left at the scalp.
+    /// strength `wake` and in a layer of displacement thickness `layer_m`, which leaves the share `slip` at the scalp.
     pub fn now(&self, outside: Vec3, fans: &[Vec3], wake: f64, layer_m: f64, slip: f64) -> StreamNow {
         let parts = self.head.map_or_else(Vec::new, |(_, half_axes_m, _)| {
             let with_lee = |part: StreamPart| PartNow {

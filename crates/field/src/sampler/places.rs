@@ -14,7 +14,8 @@ pub(super) struct Places {
     pub far: [f32; WIDTH],
 }
 
-/// A vector and a number that stands for nothing a voxel, and one voxel more, so that each has a next one.
+/// A vector a voxel, and a number more that stands for nothing, so that a pair of them is eight side by side; and one voxel more,
+/// so that each has a next one.
 pub(super) type Voxels = Box<[[f32; 4]]>;
 
 /// A step as it lies in memory.
