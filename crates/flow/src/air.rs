@@ -76,8 +76,7 @@ impl AirState {
         let was = core::mem::replace(&mut self.values, values);
         let mut keep = |at: usize, step: f64, [least, most]: [f64; 2]| {
             let value = &mut self.values[n + at];
-            // Unlike `clamp` these bear a number that is none.
-            *value = value.max(was[n + at] - step).min(was[n + at] + step).clamp(least, most);
+            *value = value.clamp(was[n + at] - step, was[n + at] + step).clamp(least, most);
         };
         keep(3, f64::INFINITY, [0.0, 1.0]);
         keep(4, LOG_LAYER_STEP, [libm::log(1e-3), libm::log(5e-2)]);
