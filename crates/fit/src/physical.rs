@@ -35,7 +35,8 @@ pub use wig::Wig;
 /// How the method `physical` is set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhysicalOptions {
-    /// Frequency above which a marker's motion is taken for noise, Hz.
+    /// Frequency above which a marker's motion is taken for noise, Hz, if it errs by 0.3 mm or less; that of a noisier marker falls as
+    /// the sixth root of its error.
     pub cutoff_hz: f64,
     /// The most swirl modes.
     pub max_modes: usize,

@@ -12,8 +12,11 @@ const FORCE_SHARE: f64 = 0.015;
 /// Way along a lock over which the errors of forces are the same, m.
 const FORCE_REACH_M: f64 = 0.1;
 
-/// How fast a filled marker's error comes and goes, 1/s: an error of place is an error of acceleration by its square.
-const FILL_RATE: f64 = 15.0;
+/// How fast a marker's error of place comes and goes, 1/s, as far as it is not smoothed away or filled in: about as fast as hair
+/// swings, at a little over a hertz. An error of place is an error of acceleration by its square.
+///
+/// If it rises, noisy and filled markers tell less, and the wind from them is weaker.
+const MARKER_ERROR_RATE: f64 = 8.0;
 
 /// Error of a joint's stiffness as a share of it.
 const STIFFNESS_SHARE: f64 = 0.3;
@@ -44,7 +47,7 @@ pub(crate) fn covariance(balance: &Balance<'_>) -> DMatrix<f64> {
     let n = lock.n_sticks();
     let spread = |k: usize| {
         let of_weight = FORCE_SHARE * STANDARD_GRAVITY;
-        let of_place = at.errors_m[k] * FILL_RATE * FILL_RATE;
+        let of_place = at.errors_m[k] * MARKER_ERROR_RATE * MARKER_ERROR_RATE;
         lock.masses_kg[k] * (of_weight * of_weight + of_place * of_place).sqrt()
     };
     let spreads: Vec<f64> = (0..n).map(spread).collect();
