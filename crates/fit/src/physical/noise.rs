@@ -12,11 +12,10 @@ const FORCE_SHARE: f64 = 0.015;
 /// Way along a lock over which the errors of forces are the same, m.
 const FORCE_REACH_M: f64 = 0.1;
 
-/// How fast a marker's error of place comes and goes, 1/s, as far as it is not smoothed away or filled in: about as fast as hair
-/// swings, at a little over a hertz. An error of place is an error of acceleration by its square.
+/// How fast the error of a marker's smoothed place comes and goes, 1/s: an error of place is an error of acceleration by its square.
 ///
 /// If it rises, noisy and filled markers tell less, and the wind from them is weaker.
-const MARKER_ERROR_RATE: f64 = 8.0;
+const MARKER_ERROR_RATE: f64 = 15.0;
 
 /// Error of a joint's stiffness as a share of it.
 const STIFFNESS_SHARE: f64 = 0.3;

@@ -57,6 +57,14 @@ pub(crate) fn penalty(cutoff_hz: f64, rate_hz: f64) -> f64 {
     libm::pow(per_sample, -6.0)
 }
 
+/// What [`smooth`] leaves of noise that is another in each sample, over it: the root of the share of all frequencies that pass,
+/// where a swing of f is left to 1 / (1 + (f / cutoff)⁶). What was filled in between samples errs alike from frame to frame, and passes.
+pub(crate) fn noise_left(cutoff_hz: f64, rate_hz: f64) -> f64 {
+    // ∫ (1 + x⁶)⁻² dx from 0 on is 5 π / 18.
+    let passes = 5.0 * core::f64::consts::PI / 18.0 * cutoff_hz;
+    (passes / (0.5 * rate_hz)).min(1.0).sqrt()
+}
+
 /// Position, velocity and acceleration of a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Motion {
@@ -118,5 +126,24 @@ mod tests {
         let smoothed = smooth(&wave, &[1.0; 400], penalty(8.0, 120.0)).unwrap();
         let most = smoothed[100..300].iter().map(|p| p.x.abs()).fold(0.0, f64::max);
         assert!((most - 0.5).abs() < 0.01, "{most}");
+    }
+
+    /// Of noise that is another in each sample as much is left as is said.
+    #[test]
+    fn what_is_left_of_noise() {
+        // Uniform over ±½, each by a hash of its number.
+        let hash = |i: u64| {
+            i.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29).wrapping_mul(0xBF58_476D_1CE4_E5B9)
+        };
+        let at = |i: u64| (hash(i) >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+        let noise: Vec<Vec3> =
+            (0..6000).map(|i| Vec3::new(at(3 * i + 1), at(3 * i + 2), at(3 * i + 3))).collect();
+        for cutoff_hz in [4.0, 9.0, 12.0] {
+            let smoothed = smooth(&noise, &[1.0; 6000], penalty(cutoff_hz, 120.0)).unwrap();
+            let rms =
+                |all: &[Vec3]| (all.iter().map(Vec3::norm_squared).sum::<f64>() / all.len() as f64).sqrt();
+            let (left, said) = (rms(&smoothed) / rms(&noise), noise_left(cutoff_hz, 120.0));
+            assert!((left / said - 1.0).abs() < 0.05, "{cutoff_hz} Hz: {left} {said}");
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Markers and head over time, smooth and with derivatives, at the time steps asked for.
 
-use super::smooth::{Motion, motion_at, penalty, smooth};
+use super::smooth::{Motion, motion_at, noise_left, penalty, smooth};
 use nalgebra::UnitQuaternion;
 use tousle_core::{HeadCapture, Pose, Sample, Track, Vec3, median_high};
 
@@ -57,7 +57,7 @@ fn between(known: &[(usize, Pose)], frame: usize) -> Pose {
     )
 }
 
-/// A marker's motion at every step, world space, and the expected error of its place, m.
+/// A marker's smooth motion at every step, world space, and the expected error of its place, m.
 pub(crate) struct MarkerMotion {
     pub(crate) motions: Vec<Motion>,
     pub(crate) errors_m: Vec<f64>,
@@ -81,7 +81,7 @@ pub(crate) fn marker_motion(
     clock: &Clock,
     cutoff_hz: f64,
 ) -> Option<MarkerMotion> {
-    let error = |frame: usize| match samples {
+    let expected = |frame: usize| match samples {
         Some(samples) => samples[frame].error_m.max(0.5 * PLAIN_ERROR_M),
         None => PLAIN_ERROR_M,
     };
@@ -91,16 +91,22 @@ pub(crate) fn marker_motion(
     for frame in 0..n {
         if let Some(p) = track.at(frame) {
             places[frame] = (clock.poses[frame] * nalgebra::Point3::from(p)).coords;
-            frame_errors[frame] = error(frame);
+            frame_errors[frame] = expected(frame);
         }
     }
     let usual_m = usual_error_m(samples);
     let weights: Vec<f64> = frame_errors.iter().map(|error_m| (usual_m / error_m).powi(2).min(1.0)).collect();
-    let cutoff_hz = cutoff_hz * (usual_m / PLAIN_ERROR_M).powf(CUTOFF_BY_ERROR);
+    let cutoff_hz = cutoff_hz * libm::pow(usual_m / PLAIN_ERROR_M, CUTOFF_BY_ERROR);
     let curve = smooth(&places, &weights, penalty(cutoff_hz, clock.frame_rate_hz))?;
     let motions =
         (0..clock.n_steps).map(|k| motion_at(&curve, clock.frame_rate_hz, clock.time_secs(k))).collect();
-    let errors_m = (0..clock.n_steps).map(|k| frame_errors[clock.frame(k)]).collect();
+    let noise_left = noise_left(cutoff_hz, clock.frame_rate_hz);
+    let error = |step: usize| {
+        let frame = clock.frame(step);
+        let is_noise = samples.is_none_or(|samples| samples[frame].kind.is_seen());
+        frame_errors[frame] * if is_noise { noise_left } else { 1.0 }
+    };
+    let errors_m = (0..clock.n_steps).map(error).collect();
     Some(MarkerMotion { motions, errors_m })
 }
 
