@@ -131,9 +131,12 @@ mod tests {
     /// Of noise that is another in each sample as much is left as is said.
     #[test]
     fn what_is_left_of_noise() {
-        // Uniform over ±½, each by a hash of its number.
+        // Uniform over ±½, each by a hash of its number (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014).
         let hash = |i: u64| {
-            i.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29).wrapping_mul(0xBF58_476D_1CE4_E5B9)
+            let z = i.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+            z ^ (z >> 31)
         };
         let at = |i: u64| (hash(i) >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
         let noise: Vec<Vec3> =
