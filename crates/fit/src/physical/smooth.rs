@@ -128,24 +128,15 @@ mod tests {
         assert!((most - 0.5).abs() < 0.01, "{most}");
     }
 
-    /// Of noise that is another in each sample as much is left as is said.
+    /// Of noise that is another in each sample as much is left as is said: the root of the sum of squares of what one sample moves.
     #[test]
     fn what_is_left_of_noise() {
-        // Uniform over ±½, each by a hash of its number (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014).
-        let hash = |i: u64| {
-            let z = i.wrapping_mul(0x9E37_79B9_7F4A_7C15);
-            let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-            let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-            z ^ (z >> 31)
-        };
-        let at = |i: u64| (hash(i) >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
-        let noise: Vec<Vec3> =
-            (0..6000).map(|i| Vec3::new(at(3 * i + 1), at(3 * i + 2), at(3 * i + 3))).collect();
+        let mut one = vec![Vec3::zeros(); 400];
+        one[200] = Vec3::x();
         for cutoff_hz in [4.0, 9.0, 12.0] {
-            let smoothed = smooth(&noise, &[1.0; 6000], penalty(cutoff_hz, 120.0)).unwrap();
-            let rms =
-                |all: &[Vec3]| (all.iter().map(Vec3::norm_squared).sum::<f64>() / all.len() as f64).sqrt();
-            let (left, said) = (rms(&smoothed) / rms(&noise), noise_left(cutoff_hz, 120.0));
+            let moved = smooth(&one, &[1.0; 400], penalty(cutoff_hz, 120.0)).unwrap();
+            let left = moved.iter().map(Vec3::norm_squared).sum::<f64>().sqrt();
+            let said = noise_left(cutoff_hz, 120.0);
             assert!((left / said - 1.0).abs() < 0.05, "{cutoff_hz} Hz: {left} {said}");
         }
     }
