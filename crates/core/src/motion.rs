@@ -122,7 +122,8 @@ impl PoseTrack {
         neighbors.iter().any(Option::is_some) && !neighbors.into_iter().flatten().any(is_like)
     }
 
-    /// Pose, velocity and acceleration at a time; before the first pose and after the last the head is still.
+    /// Pose, velocity and acceleration at a time; before the first pose and after the last the head is still. At these two it goes
+    /// on as it does beside them: a shot that begins in motion has a head that came that way.
     ///
     /// Up to a cut ([`Self::is_cut_within`]) the head goes on as it went, and after it as it will.
     /// Between poses the position follows the uniform cubic B-spline whose control points are the poses, and
@@ -135,12 +136,11 @@ impl PoseTrack {
     pub fn motion_at(&self, time_secs: f64) -> HeadMotion {
         let last = self.poses.len() - 1;
         let place = (time_secs - self.start_secs) * self.rate_hz;
-        if last == 0 || place <= 0.0 || place >= last as f64 {
-            let world_from_head = self.poses[if place >= last as f64 { last } else { 0 }];
-            return HeadMotion::still(world_from_head);
+        if last == 0 || place < -SAME_PLACE || place > last as f64 + SAME_PLACE {
+            return HeadMotion::still(self.poses[if place > 0.0 { last } else { 0 }]);
         }
-        let left = (place.floor() as usize).min(last - 1);
-        let s = place - left as f64;
+        let left = (place.max(0.0) as usize).min(last - 1);
+        let s = (place - left as f64).clamp(0.0, 1.0);
         let control = self.control_points(left);
         let base = control[1].rotation;
         let positions = control.map(|p| p.translation.vector);
@@ -164,9 +164,11 @@ impl PoseTrack {
 }
 
 impl PoseTrack {
-    /// The poses before and after a time between pose `left` and the next, and one more on each side, all of one side of a cut.
+    /// The poses before and after a time between pose `left` and the next, and one more on each side, all of one side of a cut
+    /// and of the track's ends.
     fn control_points(&self, left: usize) -> [Pose; 4] {
         let last = self.poses.len() - 1;
+        let (is_first, is_last) = (left == 0, left + 1 == last);
         let ends = [left.saturating_sub(1), left, left + 1, (left + 2).min(last)];
         let [before, from, to, after] = ends.map(|k| self.poses[k]);
         let [is_cut_before, is_cut_here, is_cut_after] =
@@ -182,13 +184,16 @@ impl PoseTrack {
             return [before, from, to, beyond(&from, &to)];
         }
         [
-            if is_cut_before { beyond(&to, &from) } else { before },
+            if is_cut_before || is_first { beyond(&to, &from) } else { before },
             from,
             to,
-            if is_cut_after { beyond(&from, &to) } else { after },
+            if is_cut_after || is_last { beyond(&from, &to) } else { after },
         ]
     }
 }
+
+/// Times closer to a pose than this share of the way to the next are its own.
+const SAME_PLACE: f64 = 1e-6;
 
 /// A change of velocity from one pose to the next, and back, that no head survives: m/s, rad/s.
 const CUT_MPS: f64 = 20.0;
@@ -270,7 +275,8 @@ mod tests {
         assert!(motion.angular_acceleration.norm() < 1e-6);
     }
 
-    /// A head that goes evenly and turns, is somewhere else from one pose to the next, and goes on: it never goes faster.
+    /// A head that goes evenly and turns, is somewhere else from one pose to the next, and goes on: it never goes faster, from the
+    /// first pose to the last.
     #[test]
     fn a_cut_is_no_motion() {
         let pose = |k: usize| {
@@ -279,7 +285,7 @@ mod tests {
             Pose::from_parts(Vec3::new(0.01 * k as f64 + jump, 0.0, 1.5).into(), rotation)
         };
         let track = PoseTrack { start_secs: 0.0, rate_hz: 24.0, poses: (0..24).map(pose).collect() };
-        for k in 30..200 {
+        for k in 0..=230 {
             let secs = f64::from(k) * 0.1 / 24.0;
             let motion = track.motion_at(secs);
             assert!((motion.velocity.norm() - 0.24).abs() < 1e-9, "{secs}: {}", motion.velocity);

@@ -1,5 +1,8 @@
 use crate::{F64x1, Lane, Matrix, Vector};
 
+/// 1 + w of a turn by 335°: [`Turn::one_more`] is no less.
+const LEAST_MORE: f64 = 0.024;
+
 /// A rotation for each of some strands, as a unit quaternion w + v.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn<L> {
@@ -89,19 +92,23 @@ impl<L: Lane> Turn<L> {
     }
 
     /// Four times the tangent of a quarter of the angle, along the axis (Wiener and Milenkovic): close to the rotation
-    /// vector, without a trigonometric function, and smooth up to a whole turn. The shorter of the two ways is taken.
+    /// vector, without a trigonometric function, and smooth up to a whole turn. More than half a turn is not the turn the other
+    /// way that ends alike: of the two that is this one whose sign the quaternion has.
     #[inline(always)]
     pub fn bend(self) -> Vector<L> {
-        let (sign, one_more) = self.shorter();
-        self.v * (sign * self.w.same(4.0) / one_more)
+        self.v * (self.w.same(4.0) / self.one_more())
     }
 
-    /// The sign, 1 or −1, by which this turns the shorter way, and one more than the w that it has then.
+    /// One more than w; a whole turn, where that is nothing, counts as a little less.
     #[inline(always)]
-    pub fn shorter(self) -> (L, L) {
-        let one = self.w.same(1.0);
-        let sign = self.w.above(self.w.same(0.0), one, -one);
-        (sign, self.w.mul_add(sign, one))
+    pub fn one_more(self) -> L {
+        (self.w + self.w.same(1.0)).max(self.w.same(LEAST_MORE))
+    }
+
+    /// The same turn with another sign, 1 or −1.
+    #[inline(always)]
+    pub fn signed(self, sign: L) -> Self {
+        Self { w: self.w * sign, v: self.v * sign }
     }
 }
 

@@ -1,6 +1,9 @@
 use nalgebra::{Unit, UnitQuaternion};
 use tousle_core::Vec3;
 
+/// Vectors that are opposite but for a smaller angle, rad, count as opposite.
+const LEAST_SINE: f64 = 1e-8;
+
 /// The rotation vector of the shortest turn from one unit vector to another: its axis times its angle, 0 to π.
 ///
 /// Unlike two angles it has no pole. Between opposite vectors every axis is shortest; one is chosen that
@@ -13,7 +16,7 @@ pub fn shortest_turn(from: Vec3, to: Vec3) -> Vec3 {
         return cross * angle_over_sine(sin2);
     }
     let sin = sin2.sqrt();
-    if sin > 1e-8 {
+    if sin > LEAST_SINE {
         cross * (libm::atan2(sin, cos) / sin)
     } else {
         any_perpendicular(from) * core::f64::consts::PI
@@ -38,10 +41,9 @@ fn angle_over_sine(sin2: f64) -> f64 {
 
 /// The rotation of the shortest turn from one unit vector to another.
 pub fn shortest_rotation(from: Vec3, to: Vec3) -> UnitQuaternion<f64> {
-    let cos = from.dot(&to);
-    if cos > -1.0 + 1e-9 {
+    let (cos, cross) = (from.dot(&to), from.cross(&to));
+    if cos > 0.0 || cross.norm() > LEAST_SINE {
         // Half-angle identities give the quaternion without a trigonometric function.
-        let cross = from.cross(&to);
         let quaternion = nalgebra::Quaternion::new(1.0 + cos, cross.x, cross.y, cross.z);
         UnitQuaternion::new_normalize(quaternion)
     } else {

@@ -4,9 +4,10 @@ mod common;
 
 use common::head::{apart, head, rises, speeding_up, tilted, turned_about_z, turning};
 use common::{
-    DOWN, farthest, mannequin, over_the_head, physical, run, still_air, straight, track, uniform, vacuum,
+    DOWN, farthest, mannequin, over_the_head, physical, run, still_air, straight, strand, track, uniform,
+    vacuum,
 };
-use tousle_core::{Pose, Quantity, Strand, Vec3};
+use tousle_core::{Pose, PoseTrack, Quantity, Strand, Vec3};
 use tousle_field::Scene;
 use tousle_sim::{Integrator, Method, Precision, SimError, SimOptions, TimeMode};
 
@@ -300,6 +301,85 @@ fn a_heads_acceleration_is_gravity_tilted() {
         let apart = apart(&speeding.unwrap().motion, &pushed);
         assert!(farthest(&pushed) > 0.02);
         assert!(apart < 5e-4, "{integrator:?}: {apart}");
+    }
+}
+
+/// A head that goes on evenly in still air feels what a still one feels in a wind against it, from the first step on, whether its
+/// track begins before or just then.
+#[test]
+fn only_the_air_against_a_head_counts() {
+    let velocity = Vec3::new(1.5, -0.7, 0.4);
+    let locks = || vec![over_the_head(), straight(Vec3::new(-0.1, 0.0, 0.0), -Vec3::z(), 0.25, 9)];
+    let against = uniform(Quantity::AirVelocity, 1.0, &[-velocity; 2]);
+    for (integrator, dt_secs) in [
+        (Integrator::Implicit, 1.0 / 120.0),
+        (Integrator::ImplicitEuler, 1.0 / 120.0),
+        (Integrator::Adaptive, 1.0 / 60.0),
+        (Integrator::SemiImplicit, 1.0 / 4_800.0),
+    ] {
+        let options = physical(integrator, dt_secs, 0.9);
+        let still = run(&against, &mannequin(), locks(), &options).unwrap().motion;
+        assert!(farthest(&still) > 0.02);
+        for start_secs in [-1.0, 0.0] {
+            let pose = |k: i32| Pose::from(velocity * (f64::from(k) / 60.0 + start_secs));
+            let poses = PoseTrack { start_secs, rate_hz: 60.0, poses: (0..150).map(pose).collect() };
+            let scene = Scene { poses, ..mannequin() };
+            let goes = run(&still_air(), &scene, locks(), &options).unwrap().motion;
+            let apart = apart(&still, &goes);
+            assert!(apart < 1e-5, "{integrator:?}, from {start_secs} s on: {apart} m");
+        }
+    }
+}
+
+/// A hair that is folded by 170° at rest and blown through 180°: what is stored in its joint goes on growing, as what opens
+/// it again is the way it came. Nothing of it goes faster than the wind.
+#[test]
+fn a_fold_is_no_spring_that_lets_go() {
+    let root_m = Vec3::new(-0.16, 0.0, 0.0);
+    let (sin, cos) = libm::sincos(10_f64.to_radians());
+    let back = Vec3::new(cos, 0.0, -sin) * 0.01;
+    let fold_m = root_m - Vec3::x() * 0.05;
+    let folded = || Strand {
+        linear_density_kg_per_m: 2e-4,
+        lock_width_m: 3e-3,
+        bending_stiffness_n_m2: 1e-6,
+        internal_damping_secs: 0.016,
+        ..strand([root_m].into_iter().chain((0..6).map(|k| fold_m + back * f64::from(k))).collect())
+    };
+    let rise = |k: i32| Vec3::new(0.0, 0.0, f64::from(k.min(5)) * 0.8);
+    let upwards = uniform(Quantity::AirVelocity, 10.0, &(0..41).map(rise).collect::<Vec<_>>());
+    let scene = Scene { air_density: 1.2, ..vacuum(DOWN) };
+    for (integrator, dt_secs) in [
+        (Integrator::Implicit, 1.0 / 120.0),
+        (Integrator::Implicit, 1.0 / 1_920.0),
+        (Integrator::ImplicitEuler, 1.0 / 480.0),
+        (Integrator::SemiImplicit, 1.0 / 19_200.0),
+        (Integrator::Adaptive, 1.0 / 60.0),
+    ] {
+        let options = SimOptions { rate_hz: 120.0, ..physical(integrator, dt_secs, 4.0) };
+        let simulation = run(&upwards, &scene, vec![folded()], &options).unwrap();
+        let tip = track(&simulation.motion, 6);
+        let fastest = tip.windows(2).map(|p| (p[1] - p[0]).norm() * 120.0).fold(0.0, f64::max);
+        assert!(fastest < 4.0, "{integrator:?} {dt_secs}: {fastest} m/s");
+        assert!(simulation.report.unsettled_steps == 0, "{integrator:?} {dt_secs}: not settled");
+    }
+}
+
+/// A hair that doubles back on itself at rest stays so, to and fro, however nearly.
+#[test]
+fn a_double_fold_stays_at_rest() {
+    let breath = uniform(Quantity::AirVelocity, 30.0, &[Vec3::new(1e-6, 0.0, 0.0)]);
+    for way in [-Vec3::x(), Vec3::y(), Vec3::z(), Vec3::new(-3.0, 2.0, -3.0).normalize()] {
+        for aside_m in [0.0, 1e-9, 1e-7, 1e-6, 1e-4] {
+            let aside = way.cross(&Vec3::new(0.3, 0.5, 0.8)).normalize() * aside_m;
+            let at = |out: f64, n: f64| Vec3::new(-0.12, 0.0, 0.02) + way * (0.05 * out) + aside * n;
+            let points = vec![at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 2.0), at(2.0, 2.0)];
+            let mut options = physical(Integrator::Implicit, 1.0 / 120.0, 3.0);
+            options.time = TimeMode::Hold;
+            let folded = Strand { bending_stiffness_n_m2: 1e-3, ..strand(points) };
+            let motion = run(&breath, &vacuum(DOWN), vec![folded], &options).unwrap().motion;
+            assert!(farthest(&motion) < 1e-4, "{way} {aside_m}: {} m", farthest(&motion));
+        }
     }
 }
 

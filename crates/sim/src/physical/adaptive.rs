@@ -13,9 +13,8 @@ use tousle_lanes::{Lane, Placing};
 /// Where a strand's own clock stands.
 #[derive(Clone, Debug)]
 pub(crate) struct Pace {
-    /// The step that was taken last, s, and when it began, if there was one.
-    last_secs: f64,
-    last_begin_secs: Option<f64>,
+    /// The step that was taken last, if there was one: when it began, and how long it was, s.
+    last_secs: Option<(f64, f64)>,
     /// The step that is tried next, s.
     next_secs: f64,
 }
@@ -49,7 +48,7 @@ impl Precise {
 impl Pace {
     /// Before the first step.
     pub fn new() -> Self {
-        Self { last_secs: 1e-3, last_begin_secs: None, next_secs: 1e-3 }
+        Self { last_secs: None, next_secs: 1e-3 }
     }
 }
 
@@ -74,12 +73,16 @@ impl<L: Lane> Batch<L> {
                 dt if dt > 0.5 * left => 0.5 * left,
                 dt => dt,
             };
-            let secs = [pace.last_begin_secs.unwrap_or(time), time, time + dt];
+            let (begin_before, formula) = match pace.last_secs {
+                Some((begin, last_dt)) => (begin, Formula::bdf2(dt, last_dt)),
+                None => (time, Formula::euler(dt)),
+            };
+            let secs = [begin_before, time, time + dt];
             let (now, carry) = at_end_of_step(timeline, sampler, Reading::LaidOut, secs);
             let before = self.states.clone();
             let touchable = self.touchable.clone();
             let at_rest = self.at_rest;
-            self.step_implicit(work, model, &now, carry.as_ref(), Formula::bdf2(dt, pace.last_secs));
+            self.step_implicit(work, model, &now, carry.as_ref(), formula);
             let error_m = if self.at_rest { 0.0 } else { self.error(dt, carry.as_ref()) };
             let wanted = 0.85 * libm::cbrt(tolerance_m / error_m.max(1e-12));
             if error_m > tolerance_m && dt > SHORTEST_SECS {
@@ -89,9 +92,8 @@ impl<L: Lane> Batch<L> {
                 pace.next_secs = dt * wanted.clamp(0.2, 0.9);
                 continue;
             }
-            pace.last_begin_secs = Some(time);
+            pace.last_secs = Some((time, dt));
             time = if dt == left { to_secs } else { time + dt };
-            pace.last_secs = dt;
             // BDF2 stands growing steps up to 1 + √2; twice keeps clear of it.
             pace.next_secs = dt * wanted.clamp(0.2, 2.0);
         }

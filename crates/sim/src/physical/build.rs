@@ -5,7 +5,7 @@ use crate::gap::Seen;
 use crate::parts::Count;
 use crate::touchable::reached;
 use nalgebra::UnitQuaternion;
-use tousle_core::Vec3;
+use tousle_core::{HeadMotion, Vec3};
 use tousle_lanes::{Lane, Turn, Vector};
 use tousle_rod::{DragLaw, Lock, Rest, shortest_rotation, torque_to_load};
 
@@ -48,8 +48,7 @@ impl Shape {
 
 /// [`Turn::bend`] of one rotation.
 fn bend_of(turn: UnitQuaternion<f64>) -> Vec3 {
-    let q = if turn.w < 0.0 { -turn.into_inner() } else { turn.into_inner() };
-    q.imag() * (4.0 / (1.0 + q.w))
+    turn.imag() * (4.0 / (1.0 + turn.w))
 }
 
 /// Length of a stick without mass that follows a shorter strand's tip, m.
@@ -119,6 +118,16 @@ pub(super) fn build<L: Lane>(strands: &[&Prepared], law: &DragLaw) -> Batch<L> {
         n_moved: 0,
         asked: None,
         count: Count::default(),
+    }
+}
+
+impl<L: Lane> Batch<L> {
+    /// Strands at rest have the head's velocity at the start, as if they had come with it.
+    pub fn go_along(&mut self, head: &HeadMotion) {
+        for state in &mut self.states {
+            state.velocity = Vector::from_fn(|lane| head.velocity_of(state.place.get(lane)));
+            state.velocity_before = state.velocity;
+        }
     }
 }
 

@@ -6,7 +6,7 @@
 use super::batch::{Batch, Model};
 use super::contact::Firmness;
 use super::drag::push;
-use super::link::{Bending, Work};
+use super::link::{Bending, Unwinding, Work};
 use super::newton::{FurtherOut, Outwards, bend_joint, place_sticks};
 use super::scene::Now;
 use tousle_core::Vec3;
@@ -31,7 +31,7 @@ impl<L: Lane> Swing<L> {
         Self { turns: Vec::new(), spins: Vec::new() }
     }
 
-    /// The swing of a batch that hangs still on a head that turns.
+    /// The swing of a batch that goes along with a head that turns.
     pub fn at_rest(batch: &Batch<L>, spin: Vec3) -> Self {
         Self {
             turns: batch.states.iter().map(|s| s.turn).collect(),
@@ -252,7 +252,14 @@ impl<L: Lane> Batch<L> {
     }
 
     /// Where the swing has come to is where the strands are. `now`: the world at the step's end.
-    fn take(&mut self, swing: &Swing<L>, work: &mut [Work<L>], model: &Model, now: &Now<'_>, dt_secs: f64) {
+    fn take(
+        &mut self,
+        swing: &mut Swing<L>,
+        work: &mut [Work<L>],
+        model: &Model,
+        now: &Now<'_>,
+        dt_secs: f64,
+    ) {
         let firmness = Firmness {
             stiffness: self.contact_stiffness,
             give: self.contact_give,
@@ -264,8 +271,11 @@ impl<L: Lane> Batch<L> {
             touchable.feel(model, moving, |stick| felt(&work[stick]), firmness);
             touchable.remember();
         }
-        for (work, turn) in work.iter_mut().zip(&swing.turns) {
-            work.turn = *turn;
+        let mut unwinding = Unwinding::from_root(self.root_turn);
+        for (work, turn) in work.iter_mut().zip(&mut swing.turns) {
+            unwinding.next(*turn);
+            *turn = unwinding.before;
+            work.turn = unwinding.before;
         }
         place_sticks(self.root, &self.links, work);
         for (state, work) in self.states.iter_mut().zip(&*work) {

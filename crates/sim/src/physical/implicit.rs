@@ -2,7 +2,7 @@
 
 use super::batch::{Batch, Model};
 use super::contact::Touchable;
-use super::link::{State, Work};
+use super::link::{State, Unwinding, Work};
 use super::newton::{Weights, sweep_outwards};
 use super::scene::{Carry, Now};
 use crate::wind::sample;
@@ -310,13 +310,15 @@ impl<L: Lane> Batch<L> {
     #[inline(always)]
     fn finish(&mut self, work: &[Work<L>], weights: &Weights<L>) {
         self.touchable.iter_mut().for_each(Touchable::remember);
-        let mut before = self.root_turn;
+        let mut unwinding = Unwinding::from_root(self.root_turn);
         for (state, work) in self.states.iter_mut().zip(work) {
-            state.turn = work.turn;
+            let joint = unwinding.next(work.turn);
+            state.turn = unwinding.before;
             state.place = work.place;
             state.velocity = work.velocity(weights.per_h);
-            state.bend = before.inverse().after(work.turn).bend();
-            before = work.turn;
+            state.bend = joint.bend;
+            state.bend_before =
+                Vector::where_above(joint.sign, weights.h.same(0.0), state.bend_before, joint.bend);
         }
     }
 }

@@ -61,6 +61,44 @@ pub(crate) struct Bending<L> {
     pub curvature: L,
 }
 
+/// Sticks' turns from the root outwards. A joint may be turned by more than half a turn: it does not matter to it which way
+/// its sticks look alike, but how it came there, and the signs of their quaternions tell that. Beyond [`MOST_TURNED_W`] it
+/// gives way: its sticks and all further out go by the other sign, so that it is turned the rest of a whole turn the other way.
+pub(super) struct Unwinding<L> {
+    /// The turn of the last stick.
+    pub before: Turn<L>,
+    sign: L,
+}
+
+/// A joint of [`Unwinding`]: its [`Turn::bend`], and −1 if it has just given way, else 1.
+pub(super) struct Unwound<L> {
+    pub bend: Vector<L>,
+    pub sign: L,
+}
+
+/// w of the turn by 308° at which a joint gives way. Up to a whole turn its torque would grow without end.
+const MOST_TURNED_W: f64 = -0.9;
+
+impl<L: Lane> Unwinding<L> {
+    /// Before the first stick.
+    #[inline(always)]
+    pub fn from_root(turn: Turn<L>) -> Self {
+        Self { before: turn, sign: turn.w.same(1.0) }
+    }
+
+    /// The joint to the next stick.
+    #[inline(always)]
+    pub fn next(&mut self, turn: Turn<L>) -> Unwound<L> {
+        let turn = turn.signed(self.sign);
+        let relative = self.before.inverse().after(turn);
+        let one = turn.w.same(1.0);
+        let sign = relative.w.above(one.same(MOST_TURNED_W), one, -one);
+        self.sign = self.sign * sign;
+        self.before = turn.signed(sign);
+        Unwound { bend: relative.signed(sign).bend(), sign }
+    }
+}
+
 /// What a step prepares and its iterations read and write.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Work<L> {

@@ -16,7 +16,7 @@ use crate::timeline::Timeline;
 use crate::touchable::touchable;
 use crate::{Integrator, Precision, SimOptions};
 use rayon::prelude::*;
-use tousle_core::{Assumption, Attachment, Groom, Pose, Quantity, Strand, Vec3};
+use tousle_core::{Assumption, Attachment, Groom, HeadMotion, Pose, Quantity, Strand, Vec3};
 use tousle_field::{Reading, Sampler, Scene};
 use tousle_lanes::{Lane, Registers, Vector};
 use tousle_rod::{DragLaw, Lock, Natural, Style, Support, Surface, hold_rest, rest_state};
@@ -32,14 +32,14 @@ pub(crate) struct Physical {
     law: DragLaw,
     /// Whether the hair hangs at the start as it does at rest. A head that is held otherwise sets it going.
     hangs_still: bool,
-    /// Angular velocity of the head at the start, rad/s.
-    spin: Vec3,
+    /// The head at the start, along with which the hair then goes; `None` if it never moves.
+    head: Option<HeadMotion>,
 }
 
 /// What the world does in a step.
 pub(crate) enum World<'a> {
-    /// At its end, and on the way there.
-    Implicit { now: Now<'a>, carry: Option<Carry> },
+    /// At its end, and on the way there; and the formula that it is taken by.
+    Implicit { now: Now<'a>, carry: Option<Carry>, formula: Formula },
     /// At its start.
     SemiImplicit(Now<'a>),
     /// At its start, middle and end.
@@ -136,7 +136,7 @@ impl Mechanics for Physical {
             Integrator::ImplicitEuler => Formula::euler(dt_secs),
             _ => Formula::bdf2(dt_secs, dt_secs),
         };
-        let spin = timeline.head_at(timeline.step_secs(0)).angular_velocity;
+        let head = timeline.head_at(timeline.step_secs(0));
         Self {
             model,
             integrator,
@@ -144,14 +144,18 @@ impl Mechanics for Physical {
             precise: Precise::of(options),
             law,
             hangs_still: timeline.tilt_at_start() == 0.0,
-            spin: if terms.head_movement { spin } else { Vec3::zeros() },
+            head: terms.head_movement.then_some(head),
         }
     }
 
     fn batch<L: Lane>(&self, strands: &[&Prepared]) -> Moving<L> {
-        let strands = Batch { at_rest: self.hangs_still, ..build(strands, &self.law) };
+        let mut strands = Batch { at_rest: self.hangs_still, ..build(strands, &self.law) };
+        if let Some(head) = &self.head {
+            strands.go_along(head);
+        }
+        let spin = self.head.map_or_else(Vec3::zeros, |head| head.angular_velocity);
         let swing = match self.integrator {
-            Integrator::SemiImplicit | Integrator::Rk4 => Swing::at_rest(&strands, self.spin),
+            Integrator::SemiImplicit | Integrator::Rk4 => Swing::at_rest(&strands, spin),
             _ => Swing::none(),
         };
         Moving { strands, swing, pace: Pace::new() }
@@ -179,25 +183,27 @@ impl Mechanics for Physical {
             _ => {
                 let secs = [step.saturating_sub(1), step, step + 1].map(|step| timeline.step_secs(step));
                 let (now, carry) = at_end_of_step(timeline, sampler, reading, secs);
-                World::Implicit { now, carry }
+                // Before the first step nothing is known but how all goes then.
+                let formula = if step == 0 { Formula::euler(self.formula.dt_secs) } else { self.formula };
+                World::Implicit { now, carry, formula }
             }
         }
     }
 
     fn step<L: Lane>(&self, moving: &mut Moving<L>, work: &mut Vec<Work<L>>, world: &World<'_>) {
-        let Self { model, formula, .. } = self;
+        let Self { model, formula: Formula { dt_secs, .. }, .. } = self;
         let Moving { strands, swing, pace } = moving;
         strands.make_room(work);
         match world {
-            World::Implicit { now, carry } => {
+            World::Implicit { now, carry, formula } => {
                 strands.step_implicit(work, model, now, carry.as_ref(), *formula);
             }
             // The others get no lanes but these (`Physical::lanes`), so nothing of them is compiled for any.
             _ if const { !L::IS_ONE_DOUBLE } => unreachable!("{:?} steps one strand alone", self.integrator),
             World::SemiImplicit(now) => {
-                strands.step_semi_implicit(swing, work, model, now, formula.dt_secs);
+                strands.step_semi_implicit(swing, work, model, now, *dt_secs);
             }
-            World::Rk4(now) => strands.step_rk4(swing, work, model, now, formula.dt_secs),
+            World::Rk4(now) => strands.step_rk4(swing, work, model, now, *dt_secs),
             World::Adaptive(_, _, None) => (),
             World::Adaptive(timeline, sampler, Some(span)) => {
                 strands.advance(pace, work, model, (timeline, sampler), *span, self.precise);

@@ -49,17 +49,16 @@ pub(super) fn place_sticks<L: Lane>(root: Vector<L>, links: &[Link<L>], work: &m
 #[inline(always)]
 pub(super) fn bend_joint<L: Lane>(before: Turn<L>, work: &Work<L>) -> Bending<L> {
     let relative = before.inverse().after(work.turn);
-    let (sign, one_more) = relative.shorter();
-    let per = work.stiffness.same(1.0) / one_more;
+    let per = work.stiffness.same(1.0) / relative.one_more();
     let per2 = (per + per) * per;
     // The bend is 4 v / (1 + w).
-    let bend_per_v = sign * (per + per) * work.stiffness.same(2.0);
+    let bend_per_v = (per + per) * work.stiffness.same(2.0);
     let load = relative.v.mul_add(bend_per_v * work.stiffness, -work.natural);
     // For a turn ε of the stick, in the axes of the stick before, d bend = (1 − σ²) ε − 2 σ × ε + 2 σ (σ·ε), σ = bend / 4:
     // a rotation by half the joint's turn times 1 + σ² = 2 / (1 + w), so that the second derivative is the same in all
     // directions. Together with the turn of the stick before, that rotation is along the sum of both sticks' turns,
     // whose square is 2 (1 + w).
-    let (w, v) = (before.w.mul_add(sign, work.turn.w), before.v.mul_add(sign, work.turn.v));
+    let (w, v) = (before.w + work.turn.w, before.v + work.turn.v);
     let turned = v.cross(load.mul_add(w, v.cross(load)));
     Bending { torque: turned.mul_add(per2, load * (per + per)), curvature: work.stiffness * (per2 + per2) }
 }

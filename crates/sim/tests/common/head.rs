@@ -21,9 +21,11 @@ pub fn turned_about_z(angle: f64) -> Pose {
     Pose::from_parts(Vec3::zeros().into(), turn)
 }
 
-/// A head without gravity that turns about z by 1.5 rad, from the start on for a second; and by how much it has turned then.
+/// A head without gravity that turns about z by 1.5 rad, from the start on for a second, without a jolt; and by how much it has
+/// turned then.
 pub fn turning() -> (Scene, f64) {
-    let angle = |t: f64| 0.75 * (1.0 - libm::cos(core::f64::consts::PI * t.clamp(0.0, 1.0)));
+    use core::f64::consts::TAU;
+    let angle = |t: f64| 1.5 * (t.clamp(0.0, 1.0) - libm::sin(TAU * t.clamp(0.0, 1.0)) / TAU);
     let poses = head(240.0, |t| turned_about_z(angle(t)));
     (Scene { poses, ..vacuum(Vec3::zeros()) }, angle(1.0))
 }
