@@ -1,4 +1,4 @@
-use crate::{Input, MergeError, MergeOptions, Span, agree};
+use crate::{Input, MergeError, MergeOptions, Span, agree, layers};
 use tousle_core::{Quantity, Vec3};
 use tousle_field::{FieldLayer, GridError, GridSpec, MAX_VOXELS, Scene};
 
@@ -18,8 +18,10 @@ pub struct Plan {
     pub rate_hz: f64,
     /// How many steps it has.
     pub n_steps: u64,
-    /// The edits of all inputs, on the common clock, each id once.
+    /// The edits of all inputs, on the common clock, each once and each id once.
     pub layers: Vec<FieldLayer>,
+    /// What a user should know of that.
+    pub warnings: Vec<String>,
     /// The first input's scene, on the common clock; the others' are the same to within the tolerances.
     pub scene: Scene,
     inputs: Vec<Times>,
@@ -100,13 +102,15 @@ impl Plan {
             agree::check(first, input, span_secs, options)?;
         }
         let (rate_hz, n_steps) = steps(&times, span_secs, options)?;
+        let (layers, warnings) = layers::join(inputs);
         let plan = Self {
             grid: grid(&times)?,
             quantity: first.quantity,
             start_secs: span_secs[0],
             rate_hz,
             n_steps,
-            layers: layers(inputs),
+            layers,
+            warnings,
             scene: scene(first),
             inputs: times,
         };
@@ -211,28 +215,4 @@ fn scene(input: &Input<'_>) -> Scene {
     poses.poses.drain(..n_before);
     poses.start_secs = f64::max(start_secs + n_before as f64 / poses.rate_hz, 0.0);
     scene
-}
-
-/// The layers of all inputs. A layer that several have is there once; others that share an id get one of their own.
-fn layers(inputs: &[Input<'_>]) -> Vec<FieldLayer> {
-    let mut all: Vec<FieldLayer> = Vec::new();
-    for input in inputs {
-        for layer in input.layers {
-            let mut layer = layer.clone();
-            layer.first_secs += input.offset_secs;
-            layer.last_secs += input.offset_secs;
-            if all.contains(&layer) {
-                continue;
-            }
-            let id = layer.id.clone();
-            for n in 2.. {
-                if all.iter().all(|l| l.id != layer.id) {
-                    break;
-                }
-                layer.id = format!("{id}-{n}");
-            }
-            all.push(layer);
-        }
-    }
-    all
 }
