@@ -96,6 +96,9 @@ fn the_packing_and_the_clock() {
     room.run("merge even.eff.mcap odd.eff.mcap -o a.eff.mcap --offset-secs 0,-3")
         .ended(1)
         .says(&["odd.eff.mcap", "-3 s"]);
+    room.run("merge even.eff.mcap odd.eff.mcap -o a.eff.mcap --offset-secs 0,1e25")
+        .ended(1)
+        .says(&["odd.eff.mcap ends at", "expected 1000000 s or earlier"]);
 }
 
 /// Two people called their edits the same: both are there, each can be taken out, and what became of the name is said.
