@@ -399,13 +399,13 @@ pub struct ImportArgs {
     #[command(flatten)]
     pub pack: PackArgs,
     /// Edge of the grid about the head, mm, where a .npz gives neither `origin` nor `edge` [default: 600].
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_parser = parse_above_zero, value_name = "MM")]
     pub extent_mm: Option<f64>,
     /// The grid of a .vdb that is the wind [default: wind, velocity, vel or v, or the only vectors].
     #[arg(long, value_name = "NAME")]
     pub grid: Option<String>,
     /// Time steps a second, where .vdb files do not say when they are.
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_parser = parse_above_zero, value_name = "HZ")]
     pub rate_hz: Option<f64>,
     /// Print the report as JSON.
     #[arg(long)]

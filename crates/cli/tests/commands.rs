@@ -201,6 +201,30 @@ fn a_field_goes_out_and_in_as_openvdb() {
     assert!(!room.path("i.eff.mcap").exists());
 }
 
+/// Told by the file itself, or impossible: wrong arguments, and no wind is blamed.
+#[test]
+fn imports_refuse_options_that_would_do_nothing() {
+    let room = Room::with_field();
+    room.run("export f.eff.mcap -o f.npz").ended(0);
+    room.run("export f.eff.mcap -o f.vdb").ended(0);
+    let before = room.files();
+    for (words, says) in [
+        ("f.npz f.npz", "found 2 files, expected one .npz"),
+        ("f.npz f.0000.vdb", "found 2 files, expected one .npz"),
+        ("f.npz --extent-mm 400", "--extent-mm: found with f.npz, which has `origin` and `edge`"),
+        ("f.vdb --rate-hz 12", "--rate-hz: found with .vdb files that say when they are"),
+        ("f.npz --extent-mm 0", "expected a number above 0"),
+        ("f.npz --extent-mm=-5", "expected a number above 0"),
+        ("f.npz --extent-mm nan", "expected a number above 0"),
+        ("f.vdb --rate-hz 0", "expected a number above 0"),
+    ] {
+        let run = room.run(&format!("import {words} --session session.json -o g.eff.mcap"));
+        assert_eq!(run.code, Some(2), "{words}: {}{}", run.out, run.err);
+        run.says(&[says]);
+    }
+    assert_eq!(room.files(), before);
+}
+
 /// Wind from elsewhere gets the head's poses from elsewhere, too.
 #[test]
 fn imported_wind_takes_the_heads_poses() {

@@ -96,6 +96,29 @@ fn the_packing_and_the_clock() {
     room.run("merge even.eff.mcap odd.eff.mcap -o a.eff.mcap --offset-secs 0,-3")
         .ended(1)
         .says(&["odd.eff.mcap", "-3 s"]);
+    room.run("merge even.eff.mcap odd.eff.mcap -o a.eff.mcap --offset-secs 0,1e25")
+        .ended(1)
+        .says(&["odd.eff.mcap ends at", "expected 1000000 s or earlier"]);
+}
+
+/// Two people called their edits the same: both are there, each can be taken out, and what became of the name is said.
+#[test]
+fn edits_of_one_name_stay_two() {
+    let room = room();
+    let lift = String::from_utf8(room.read("lift.toml")).unwrap();
+    room.write("other.toml", lift.replace("0.08]", "0.05]"));
+    for (field, edits) in [("even", "lift"), ("odd", "other")] {
+        let edit = format!("edit {field}.eff.mcap --groom bob.json --edits {edits}.toml");
+        room.run(&format!("{edit} -o {field}-{edits}.eff.mcap")).ended(0);
+    }
+    let run = room.run("merge even-lift.eff.mcap odd-other.eff.mcap -o both.eff.mcap").ended(0);
+    run.says(&["warning: the edit `lift-a-lock` of odd-other.eff.mcap", "it is `lift-a-lock-2` now"]);
+    room.write("rest.toml", "version = 1\n[[change]]\nkind = \"remove\"\nedit = \"lift-a-lock\"\n");
+    room.run("edit both.eff.mcap --groom bob.json --edits rest.toml -o rest.eff.mcap").ended(0);
+    let edits = |file: &str| inspected(&room, file)["layers"].to_string();
+    let [both, rest] = ["both", "rest"].map(|name| edits(&format!("{name}.eff.mcap")));
+    assert!(both.contains("(lift-a-lock)") && both.contains("(lift-a-lock-2)"), "{both}");
+    assert!(!rest.contains("(lift-a-lock)") && rest.contains("(lift-a-lock-2)"), "{rest}");
 }
 
 #[test]

@@ -49,3 +49,6 @@ pub type Pose = nalgebra::Isometry3<f64>;
 
 /// Standard gravity, m/s².
 pub const STANDARD_GRAVITY: f64 = 9.81;
+
+/// The latest time that a field can speak of, s: eleven days. Nanoseconds of it are exact in a double.
+pub const MAX_SECS: f64 = 1e6;

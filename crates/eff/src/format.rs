@@ -1,5 +1,7 @@
 //! The names and limits of the format, as `docs/eff.md` gives them.
 
+pub use tousle_core::MAX_SECS;
+
 /// The version this crate writes, and the newest it reads.
 pub const VERSION: u32 = 1;
 
@@ -90,9 +92,6 @@ pub(crate) fn is_schema_text(stream: &Stream, text: &[u8]) -> bool {
 pub(crate) fn streams() -> impl Iterator<Item = &'static Stream> {
     STREAMS.iter().chain(&STREAMS_V0)
 }
-
-/// The latest time a file can speak of, s: eleven days. Nanoseconds of it are exact in a double.
-pub const MAX_SECS: f64 = 1e6;
 
 /// The highest rate a file can have, Hz, so that no two steps share a nanosecond.
 pub const MAX_RATE_HZ: f64 = 1e6;

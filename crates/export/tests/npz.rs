@@ -19,13 +19,14 @@ fn motion() -> StrandMotion {
     }
 }
 
-/// Two voxels by one by one, three steps; the first component of a voxel is its number.
+/// Two voxels by one by one, three steps; the first component of a voxel is its number. How sure the second is nobody
+/// knows.
 fn field() -> FieldSequence {
     let grid = GridSpec { origin_m: Vec3::new(-0.1, -0.05, 0.0), edge_m: 0.1, dims: [2, 1, 1] };
     let step = |k: f32| Field {
         u: vec![10.0 * k, 10.0 * k + 1.0, 0.5, 0.5, -0.5, -0.5],
         flags: vec![VoxelFlag::Measured, VoxelFlag::Outside],
-        sd: Some(vec![0.25, 4.0]),
+        sd: Some(vec![0.25, f32::INFINITY]),
         outside: Vec3::new(3.0, 0.0, 0.125),
     };
     FieldSequence {
@@ -251,7 +252,17 @@ fn what_is_wrong_is_named_with_its_place() {
         (
             "sd",
             Some(npy("|i1", false, "(2, 1, 2, 1)", &[0, 0xff, 0, 0])),
-            "array `sd` at [0, 0, 1, 0]: found -1",
+            "array `sd` at [0, 0, 1, 0]: found -1, expected 0 or a number above",
+        ),
+        (
+            "sd",
+            Some(npy("<f8", true, "(2, 1, 2, 1)", &f8(&[0.0, f64::INFINITY, f64::NAN, 0.0]))),
+            "array `sd` at [0, 0, 1, 0]: found NaN, expected 0 or a number above",
+        ),
+        (
+            "sd",
+            Some(npy("<f8", false, "(2, 1, 2, 1)", &f8(&[0.0, 0.0, 1e300, 0.0]))),
+            "array `sd` at [1, 0, 0, 0]: found 1000000",
         ),
         (
             "outside",

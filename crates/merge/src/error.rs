@@ -1,3 +1,5 @@
+use crate::plan::MAX_STEPS;
+use tousle_core::MAX_SECS;
 use tousle_field::GridError;
 
 /// Why fields cannot become one.
@@ -33,6 +35,26 @@ pub enum MergeError {
         name: String,
         /// Its first time with its offset, s.
         start_secs: f64,
+    },
+    /// A field ends later than a field file can say.
+    #[error("{name} ends at {end_secs} s with its offset, expected {MAX_SECS} s or earlier")]
+    TooLate {
+        /// The field.
+        name: String,
+        /// Its last time with its offset, s.
+        end_secs: f64,
+    },
+    /// The merged field would have more steps than can be kept.
+    #[error(
+        "found {found} steps from {} s to {} s at {rate_hz} Hz, expected at most {MAX_STEPS}", span_secs[0], span_secs[1]
+    )]
+    TooManySteps {
+        /// How many there would be.
+        found: f64,
+        /// From when to when, s.
+        span_secs: [f64; 2],
+        /// Steps a second.
+        rate_hz: f64,
     },
     /// No field has a step at some time between others.
     #[error("no field has anything at {at_secs} s; expected fields that overlap or meet")]

@@ -11,10 +11,13 @@ mod agree;
 mod combine;
 mod error;
 mod input;
+mod layers;
 mod plan;
 mod report;
 mod resample;
 mod samples;
+#[cfg(test)]
+mod testing;
 
 pub use combine::combine;
 pub use error::MergeError;

@@ -1,9 +1,13 @@
-use crate::{Input, MergeError, MergeOptions, Span, agree};
-use tousle_core::{Quantity, Vec3};
+use crate::{Input, MergeError, MergeOptions, Span, agree, layers};
+use tousle_core::{MAX_SECS, Quantity, Vec3};
 use tousle_field::{FieldLayer, GridError, GridSpec, MAX_VOXELS, Scene};
 
 /// The most steps of a merged field for each of the input that has most: between steps it is linear, so more say nothing.
 const MAX_RATE: f64 = 4.0;
+
+/// The most steps of a merged field, and of its measured vectors: a day and more at 100 Hz. Fields far apart would have
+/// more, nearly all of them empty or alike, and every one takes memory.
+pub(crate) const MAX_STEPS: f64 = 1e7;
 
 /// What a merged field will be, and which steps of which input it needs.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,8 +22,10 @@ pub struct Plan {
     pub rate_hz: f64,
     /// How many steps it has.
     pub n_steps: u64,
-    /// The edits of all inputs, on the common clock, each id once.
+    /// The edits of all inputs, on the common clock, each once and each id once.
     pub layers: Vec<FieldLayer>,
+    /// What a user should know of that.
+    pub warnings: Vec<String>,
     /// The first input's scene, on the common clock; the others' are the same to within the tolerances.
     pub scene: Scene,
     inputs: Vec<Times>,
@@ -78,7 +84,7 @@ impl Plan {
     ///
     /// # Errors
     /// [`MergeError`] if the fields are not of one wig in one wind (it says in what they differ), or have a gap
-    /// between them, or begin before 0 s.
+    /// between them, or begin before 0 s or end after [`MAX_SECS`], or would have too many steps.
     pub fn new(inputs: &[Input<'_>], options: &MergeOptions) -> Result<Self, MergeError> {
         let [first, others @ ..] = inputs else { return Err(MergeError::TooFew { found: 0 }) };
         if others.is_empty() {
@@ -94,26 +100,32 @@ impl Plan {
                 let name = input.name.to_owned();
                 return Err(MergeError::BeforeZero { name, start_secs: times.start_secs });
             }
+            if times.end_secs() > MAX_SECS {
+                let name = input.name.to_owned();
+                return Err(MergeError::TooLate { name, end_secs: times.end_secs() });
+            }
         }
         let span_secs = span(&times, options.span)?;
-        for input in others {
-            agree::check(first, input, span_secs, options)?;
-        }
         let (rate_hz, n_steps) = steps(&times, span_secs, options)?;
+        let (layers, warnings) = layers::join(inputs);
         let plan = Self {
             grid: grid(&times)?,
             quantity: first.quantity,
             start_secs: span_secs[0],
             rate_hz,
             n_steps,
-            layers: layers(inputs),
+            layers,
+            warnings,
             scene: scene(first),
             inputs: times,
         };
-        match (0..n_steps).find(|k| (0..inputs.len()).all(|i| plan.wanted(i, *k).is_none())) {
-            Some(k) => Err(MergeError::Gap { at_secs: plan.step_secs(k) }),
-            None => Ok(plan),
+        if let Some(k) = (0..n_steps).find(|k| (0..inputs.len()).all(|i| plan.wanted(i, *k).is_none())) {
+            return Err(MergeError::Gap { at_secs: plan.step_secs(k) });
         }
+        for input in others {
+            agree::check(first, input, span_secs, options)?;
+        }
+        Ok(plan)
     }
 
     /// The time of a step, common clock, s.
@@ -167,7 +179,11 @@ fn steps(times: &[Times], [from, to]: [f64; 2], options: &MergeOptions) -> Resul
         let expected = "no more than four times the steps of the input that has most";
         return Err(MergeError::BadOption { what: "rate", found: rate_hz, expected });
     }
-    Ok((rate_hz, ((to - from) * rate_hz + SAME_STEP).floor() as u64 + 1))
+    let n_steps = ((to - from) * rate_hz + SAME_STEP).floor() + 1.0;
+    if n_steps > MAX_STEPS {
+        return Err(MergeError::TooManySteps { found: n_steps, span_secs: [from, to], rate_hz });
+    }
+    Ok((rate_hz, n_steps as u64))
 }
 
 /// The grid that all inputs have, or one of the finest edge that holds all of theirs.
@@ -213,26 +229,46 @@ fn scene(input: &Input<'_>) -> Scene {
     scene
 }
 
-/// The layers of all inputs. A layer that several have is there once; others that share an id get one of their own.
-fn layers(inputs: &[Input<'_>]) -> Vec<FieldLayer> {
-    let mut all: Vec<FieldLayer> = Vec::new();
-    for input in inputs {
-        for layer in input.layers {
-            let mut layer = layer.clone();
-            layer.first_secs += input.offset_secs;
-            layer.last_secs += input.offset_secs;
-            if all.contains(&layer) {
-                continue;
-            }
-            let id = layer.id.clone();
-            for n in 2.. {
-                if all.iter().all(|l| l.id != layer.id) {
-                    break;
-                }
-                layer.id = format!("{id}-{n}");
-            }
-            all.push(layer);
-        }
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{input, scene};
+
+    fn problem(inputs: &[Input<'_>]) -> String {
+        Plan::new(inputs, &MergeOptions::default()).unwrap_err().to_string()
     }
-    all
+
+    #[test]
+    fn fields_that_meet_have_all_their_steps() {
+        let scene = scene();
+        let late = Input { offset_secs: 0.2, ..input("late", &scene) };
+        let plan = Plan::new(&[input("early", &scene), late], &MergeOptions::default()).unwrap();
+        assert_eq!((plan.start_secs, plan.rate_hz, plan.n_steps), (0.0, 10.0, 5));
+    }
+
+    /// As many steps as there is memory for, and times that the file can say, also of single steps.
+    #[test]
+    fn fields_far_apart_are_refused() {
+        let scene = scene();
+        let early = input("early", &scene);
+        let at = |offset_secs: f64| Input { offset_secs, ..input("late", &scene) };
+        let single = |offset_secs: f64| Input { n_steps: 1, ..at(offset_secs) };
+        for offset_secs in [1e6, 1e10, 1e18, 1e25] {
+            let says = "s with its offset, expected 1000000 s or earlier";
+            for found in [problem(&[early, at(offset_secs)]), problem(&[at(offset_secs), early])] {
+                assert!(found.starts_with("late ends at 1000000") && found.ends_with(says), "{found}");
+            }
+        }
+        let found = problem(&[single(0.0), single(1e10)]);
+        assert_eq!(found, "late ends at 10000000000 s with its offset, expected 1000000 s or earlier");
+        assert_eq!(
+            problem(&[early, at(1e5)]),
+            "no field has anything at 0.3 s; expected fields that overlap or meet"
+        );
+        let fast = Input { rate_hz: 100.0, ..at(2e5) };
+        assert_eq!(
+            problem(&[early, single(0.0), fast]),
+            "found 20000003 steps from 0 s to 200000.02 s at 100 Hz, expected at most 10000000"
+        );
+    }
 }

@@ -63,7 +63,7 @@ where
     E: Into<Box<dyn std::error::Error + Send + Sync>>,
 {
     let name = path.file_name().ok_or("the path names no file")?.to_string_lossy();
-    let prefix = format!(".{name}.");
+    let prefix = prefix(&name);
     remove_abandoned(folder(path), &prefix);
     let temporary = tempfile::Builder::new()
         .prefix(&prefix)
@@ -99,6 +99,18 @@ fn open_like_any_other(path: &Path) -> io::Result<File> {
 const N_RANDOM: usize = 6;
 const SUFFIX: &str = ".partial";
 
+/// The most bytes that a file's name may have on the usual disks.
+const MAX_NAME: usize = 255;
+
+/// How the temporary files of a name begin. A name that leaves no room for the rest is cut.
+fn prefix(name: &str) -> String {
+    let mut end = name.len().min(MAX_NAME - "..".len() - N_RANDOM - SUFFIX.len());
+    while !name.is_char_boundary(end) {
+        end -= 1;
+    }
+    format!(".{}.", &name[..end])
+}
+
 /// Removes what killed programs left of a file: temporary files of its name that nobody writes. What cannot be looked at stays,
 /// as it is in nobody's way.
 fn remove_abandoned(folder: &Path, prefix: &str) {
@@ -133,6 +145,17 @@ mod tests {
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
         write_whole(&path, |out| out.write_all(b"new")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
+
+    /// As long as a name may be; 238 letters of one byte, and the two bytes of a ü where it is cut.
+    #[test]
+    fn a_file_may_have_the_longest_name() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a".repeat(MAX_NAME), format!("{}{}", "a".repeat(238), "ü".repeat(8))] {
+            let path = folder.path().join(name);
+            write_whole(&path, |out| out.write_all(b"new")).unwrap();
+            assert_eq!(fs::read(&path).unwrap(), b"new");
+        }
     }
 
     #[test]

@@ -74,7 +74,7 @@ pub fn merge<R: Read + Seek, W: Write>(
     drop(stage);
     all_differ(&opened)?;
     let plan = Plan::new(&opened.iter().map(Opened::input).collect::<Vec<_>>(), options)?;
-    let mut warnings = Vec::new();
+    let mut warnings = plan.warnings.clone();
     let samples = samples(&opened, &mut warnings);
     warn_of_silent(&opened, &mut warnings);
     let write = WriteOptions::with_encoding(encoding.unwrap_or_else(|| common_encoding(&opened)));

@@ -68,17 +68,7 @@ pub enum NpzError {
         /// What the archive says.
         source: std::io::Error,
     },
-    /// A value is NaN or infinite.
-    #[error("array `{key}` at {index:?}: found {found}, expected a finite number")]
-    NotFinite {
-        /// The array's name.
-        key: String,
-        /// The value's place along each axis.
-        index: Vec<usize>,
-        /// The value.
-        found: f64,
-    },
-    /// A value is outside what it can be.
+    /// A value is outside what it can be, or no number at all.
     #[error("array `{key}` at {index:?}: found {found}, expected {expected}")]
     BadValue {
         /// The array's name.

@@ -19,7 +19,7 @@ use crate::ExportError;
 /// | `edge` | () f64 | edge of a voxel, m |
 /// | `quantity` | () text | `air_velocity` (m/s) or `force_per_mass` (m/s²) |
 /// | `outside` | (T, 3) f64 | what holds outside the grid, head axes |
-/// | `sd` | (T, X, Y, Z) f32 | standard deviation; only if every step has one |
+/// | `sd` | (T, X, Y, Z) f32 | standard deviation, infinite where nobody knows; only if every step has one |
 ///
 /// The same field gives the same bytes. Wrap a file in a [`std::io::BufWriter`].
 ///

@@ -3,7 +3,7 @@ use std::io::{Seek, Write};
 use tousle_core::StrandMotion;
 
 use super::error::NpzError;
-use super::reader::{NpzReader, bad_shape};
+use super::reader::{FINITE, NpzReader, bad_shape, finite_f32};
 use super::writer::NpzWriter;
 use crate::ExportError;
 use crate::motion::check_motion;
@@ -81,7 +81,7 @@ pub fn read_motion_npz(bytes: &[u8]) -> Result<StrandMotion, NpzError> {
             return Err(bad_shape("pos", shape, format!("({}, {points}, 3)", times_secs.len())));
         }
     }
-    let flat: Vec<f32> = pos.all_finite(|x| x as f32)?;
+    let flat = pos.all(FINITE, finite_f32)?;
     let positions_m = flat.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
     Ok(StrandMotion { counts, times_secs, positions_m })
 }

@@ -5,7 +5,7 @@ use tousle_field::{Field, FieldSequence, GridError, GridSpec, MAX_VOXELS, VoxelF
 
 use super::error::NpzError;
 use super::header::Header;
-use super::reader::{ArrayReader, NpzReader, bad_shape, is_rounded};
+use super::reader::{ArrayReader, FINITE, NpzReader, bad_shape, finite_f32, is_rounded};
 
 /// What a field `.npz` may leave out, and what stands for it. By default nothing: what is missing is an error.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +50,7 @@ pub fn read_field_npz(bytes: &[u8]) -> Result<FieldSequence, NpzError> {
 ///
 /// # Errors
 /// [`NpzError`] with the array and the place of what is wrong: for missing arrays, shapes that do not fit one
-/// another, NaN, uneven steps, more voxels a step than [`MAX_VOXELS`], and bytes that are no `.npz`.
+/// another, NaN, what is infinite and no standard deviation, uneven steps, more voxels a step than [`MAX_VOXELS`], and bytes that are no `.npz`.
 pub fn read_field_npz_with(bytes: &[u8], options: &FieldNpzOptions) -> Result<ReadField, NpzError> {
     let mut npz = NpzReader::open(bytes, options.max_bytes)?;
     let mut assumed = Vec::new();
@@ -59,7 +59,7 @@ pub fn read_field_npz_with(bytes: &[u8], options: &FieldNpzOptions) -> Result<Re
     let (key, scale) = find_vectors(&mut npz)?;
     let mut array = npz.array(key)?;
     let dims = grid_dims(&array, n_steps)?;
-    let vectors = read_steps(&mut array, n_steps, |x| (x * scale) as f32)?;
+    let vectors = read_steps(&mut array, n_steps, FINITE, |x| finite_f32(x * scale))?;
     drop(array);
     let grid = read_grid(&mut npz, dims, options, &mut assumed)?;
     let flags = read_flags(&mut npz, n_steps, dims, &mut assumed)?;
@@ -149,17 +149,18 @@ fn grid_dims<R>(array: &ArrayReader<R>, n_steps: usize) -> Result<[usize; 3], Np
 fn read_steps<R: Read>(
     array: &mut ArrayReader<R>,
     n_steps: usize,
-    convert: impl Fn(f64) -> f32,
+    expected: &str,
+    convert: impl Fn(f64) -> Option<f32>,
 ) -> Result<Vec<Vec<f32>>, NpzError> {
     let n_values: usize = array.header.shape[1..].iter().product();
     if array.header.fortran_order {
-        let all = array.all_finite(convert)?;
+        let all = array.all(expected, convert)?;
         return Ok(all.chunks_exact(n_values).map(<[f32]>::to_vec).collect());
     }
     (0..n_steps)
         .map(|_| {
             let mut values = Vec::new();
-            array.next_finite(n_values, &mut values, &convert)?;
+            array.next(n_values, &mut values, expected, &convert)?;
             Ok(values)
         })
         .collect()
@@ -201,7 +202,7 @@ fn read_flags(
         let n_voxels = dims.iter().product();
         return Ok(vec![vec![VoxelFlag::Interpolated; n_voxels]; n_steps]);
     }
-    let steps = read_scalars(npz, "flag", n_steps, dims)?;
+    let steps = read_scalars(npz, "flag", n_steps, dims, FINITE, finite_f32)?;
     let flag = |step: usize, flat: usize, value: f32| {
         let byte = (value.fract() == 0.0 && (0.0..=255.0).contains(&value)).then_some(value as u8);
         byte.and_then(VoxelFlag::from_byte).ok_or_else(|| NpzError::BadValue {
@@ -225,14 +226,9 @@ fn read_sd(
     if !npz.has("sd") {
         return Ok(vec![None; n_steps]);
     }
-    let steps = read_scalars(npz, "sd", n_steps, dims)?;
-    for (step, values) in steps.iter().enumerate() {
-        if let Some(flat) = values.iter().position(|sd| *sd < 0.0) {
-            let (index, found) = (place(step, dims, flat), f64::from(values[flat]));
-            let expected = "0 or a number above".to_owned();
-            return Err(NpzError::BadValue { key: "sd".to_owned(), index, found, expected });
-        }
-    }
+    let expected = "0 or a number above, infinite where nobody knows";
+    let sd = |x: f64| Some(x as f32).filter(|sd| x >= 0.0 && sd.is_finite() == x.is_finite());
+    let steps = read_scalars(npz, "sd", n_steps, dims, expected, sd)?;
     Ok(steps.into_iter().map(Some).collect())
 }
 
@@ -242,13 +238,15 @@ fn read_scalars(
     key: &'static str,
     n_steps: usize,
     dims: [usize; 3],
+    expected: &str,
+    convert: impl Fn(f64) -> Option<f32>,
 ) -> Result<Vec<Vec<f32>>, NpzError> {
     let mut array = npz.array(key)?;
     let [x, y, z] = dims;
     if array.header.shape != [n_steps, x, y, z] {
         return Err(bad_shape(key, &array.header.shape, format!("({n_steps}, {x}, {y}, {z}) as of `u`")));
     }
-    read_steps(&mut array, n_steps, |x| x as f32)
+    read_steps(&mut array, n_steps, expected, convert)
 }
 
 fn place(step: usize, dims: [usize; 3], flat: usize) -> Vec<usize> {

@@ -71,7 +71,7 @@ impl<'a> NpzReader<'a> {
     /// A whole array of finite numbers, first axis slowest.
     pub(crate) fn numbers(&mut self, key: &'static str) -> Result<(Header, Vec<f64>), NpzError> {
         let mut array = self.array(key)?;
-        let values = array.all_finite(|x| x)?;
+        let values = array.all(FINITE, finite)?;
         Ok((array.header, values))
     }
 
@@ -102,23 +102,28 @@ impl<'a> NpzReader<'a> {
 }
 
 impl<R: Read> ArrayReader<R> {
-    /// Every value as a number, first axis slowest whatever the order in the file; NaN and infinity are refused,
-    /// after `convert` too.
-    pub(crate) fn all_finite<T: Finite>(&mut self, convert: impl Fn(f64) -> T) -> Result<Vec<T>, NpzError> {
+    /// Every value as `convert` makes it, first axis slowest whatever the order in the file. A value of which it makes
+    /// nothing is refused: it is not what was `expected`.
+    pub(crate) fn all<T: Copy>(
+        &mut self,
+        expected: &str,
+        convert: impl Fn(f64) -> Option<T>,
+    ) -> Result<Vec<T>, NpzError> {
         let mut values = Vec::new();
-        self.next_finite(self.n_values, &mut values, convert)?;
+        self.next(self.n_values, &mut values, expected, convert)?;
         if self.header.fortran_order && self.header.shape.len() > 1 {
             values = first_axis_slowest(&values, &self.header.shape);
         }
         Ok(values)
     }
 
-    /// Appends the next `n` values in the file's own order.
-    pub(crate) fn next_finite<T: Finite>(
+    /// Appends the next `n` values in the file's own order, made and refused as in [`ArrayReader::all`].
+    pub(crate) fn next<T: Copy>(
         &mut self,
         n: usize,
         values: &mut Vec<T>,
-        convert: impl Fn(f64) -> T,
+        expected: &str,
+        convert: impl Fn(f64) -> Option<T>,
     ) -> Result<(), NpzError> {
         let dtype = self.header.dtype;
         if !dtype.is_number() {
@@ -132,12 +137,11 @@ impl<R: Read> ArrayReader<R> {
             let chunk = &mut bytes[..size * batch];
             self.read_exact(chunk)?;
             for (k, value) in chunk.chunks_exact(size).enumerate() {
-                let number = dtype.number(value);
-                let converted = convert(number);
-                if !converted.is_finite() {
-                    let index = self.place_of(self.n_read + k);
-                    return Err(NpzError::NotFinite { key: self.key.to_owned(), index, found: number });
-                }
+                let found = dtype.number(value);
+                let Some(converted) = convert(found) else {
+                    let (key, index) = (self.key.to_owned(), self.place_of(self.n_read + k));
+                    return Err(NpzError::BadValue { key, index, found, expected: expected.to_owned() });
+                };
                 values.push(converted);
             }
             self.n_read += batch;
@@ -189,21 +193,17 @@ impl<R: Read> ArrayReader<R> {
     }
 }
 
-/// Numbers of either width.
-pub(crate) trait Finite: Copy {
-    fn is_finite(self) -> bool;
+/// What [`finite`] and [`finite_f32`] expect.
+pub(crate) const FINITE: &str = "a finite number";
+
+/// A number that is neither NaN nor infinite.
+pub(crate) fn finite(number: f64) -> Option<f64> {
+    number.is_finite().then_some(number)
 }
 
-impl Finite for f32 {
-    fn is_finite(self) -> bool {
-        Self::is_finite(self)
-    }
-}
-
-impl Finite for f64 {
-    fn is_finite(self) -> bool {
-        Self::is_finite(self)
-    }
+/// The same in single precision, in which it may not be infinite either.
+pub(crate) fn finite_f32(number: f64) -> Option<f32> {
+    Some(number as f32).filter(|single| single.is_finite())
 }
 
 pub(crate) fn bad_shape(key: &str, found: &[usize], expected: impl Into<String>) -> NpzError {

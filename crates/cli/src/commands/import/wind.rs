@@ -13,7 +13,7 @@ pub fn read(args: &ImportArgs, progress: &dyn Progress) -> anyhow::Result<ReadFi
     match &args.wind[..] {
         _ if is_vdb(args) => vdbs(args, progress),
         [path] => npz(path, args),
-        _ => bail!("found {} files, expected one .npz, or .vdb files only", args.wind.len()),
+        _ => wrong!("found {} files, expected one .npz, or .vdb files only", args.wind.len()),
     }
 }
 
@@ -26,8 +26,15 @@ fn npz(path: &Path, args: &ImportArgs) -> anyhow::Result<ReadField> {
     let mut options = FieldNpzOptions::default();
     options.extent_m = Some(args.extent_mm.unwrap_or(600.0) * 1e-3);
     options.quantity = Some(Quantity::AirVelocity);
-    tousle_export::read_field_npz_with(&read_file(path)?, &options)
-        .with_context(|| format!("cannot read the wind {}", name(path)))
+    let read = tousle_export::read_field_npz_with(&read_file(path)?, &options)
+        .with_context(|| format!("cannot read the wind {}", name(path)))?;
+    if args.extent_mm.is_some() && read.assumed.iter().all(|assumption| assumption.what != "origin, edge") {
+        let found = name(path);
+        wrong!(
+            "--extent-mm: found with {found}, which has `origin` and `edge`, expected where it has neither"
+        );
+    }
+    Ok(read)
 }
 
 fn vdbs(args: &ImportArgs, progress: &dyn Progress) -> anyhow::Result<ReadField> {
@@ -44,6 +51,9 @@ fn vdbs(args: &ImportArgs, progress: &dyn Progress) -> anyhow::Result<ReadField>
         let step = tousle_export::read_step_vdb(&read_file(path)?, &options)
             .with_context(|| format!("cannot read the wind {}", name(path)))?;
         steps.push((path, step));
+    }
+    if args.rate_hz.is_some() && steps.iter().all(|(_, step)| step.time_secs().is_some()) {
+        wrong!("--rate-hz: found with .vdb files that say when they are, expected where they do not");
     }
     in_order(&mut steps);
     let steps: Vec<VdbStep> = steps.into_iter().map(|(_, step)| step).collect();
