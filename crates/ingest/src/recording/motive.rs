@@ -24,7 +24,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
         format: CaptureFormat::MotiveCsv,
         rate_hz,
         other_rate_hz: None,
-        frames: Frames::listed(file.table.frames),
+        frames: Frames::listed(file.table.frames, file.table.lines),
         unit: file.unit,
         up_axis: None,
         points,

@@ -15,7 +15,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
         format: CaptureFormat::Trc,
         rate_hz,
         other_rate_hz: None,
-        frames: Frames::listed(trc.frames),
+        frames: Frames::listed(trc.frames, trc.lines),
         unit: trc.header.unit,
         up_axis: None,
         points: markers(trc.markers.iter().map(|marker| marker.label.clone())),

@@ -26,6 +26,7 @@ fn check_same(text: &str) -> Vec<String> {
 fn a_tidy_file() {
     let trc = read(TRC.as_bytes()).unwrap();
     assert_eq!(trc.frames, [7, 8]);
+    assert_eq!(trc.lines, [7, 8]);
     assert_eq!(trc.times_secs, [Some(0.0), Some(0.01)]);
     assert_eq!(trc.markers[0].label, "LFHD");
     assert_eq!(trc.markers[0].positions, [Some([165.1, 331.8, 1508.1]), Some([165.2, 331.9, 1508.2])]);
