@@ -143,6 +143,13 @@ fn motive_markers_count_once() {
     );
     let unlabeled = take.replace("Head:A,Head:A,Head:A\n", "Unlabeled 7,Unlabeled 7,Unlabeled 7\n");
     assert_eq!(names(&read(&unlabeled, &IngestOptions::default()).capture), ["A", "*7"]);
+    let of_hair = take.replace("Head:A,Head:A,Head:A\n", "S01_1,S01_1,S01_1\n");
+    let ingested = read(&of_hair, &IngestOptions::default());
+    assert_eq!(names(&ingested.capture), ["A", "S01_1"]);
+    assert_eq!(
+        ingested.report.warnings[1],
+        "1 markers are where a solved body has them: no measured ones have their labels"
+    );
 }
 
 #[test]
