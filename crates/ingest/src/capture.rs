@@ -117,7 +117,8 @@ fn contents(recording: &Recording<'_>, n_markers: usize) -> String {
     std::iter::once(points).chain(other).collect::<Vec<_>>().join(", ")
 }
 
-/// The subject's markers and those that nobody labeled.
+/// The subject's markers, those that nobody labeled, and those whose labels name no subject: one that has the name of a marker of the
+/// subject's is somebody else's.
 fn of_subject(
     mut labeled: Vec<(usize, Label)>,
     wanted: &str,
@@ -134,7 +135,17 @@ fn of_subject(
         return Err(IngestError::NoSuchSubject { wanted: wanted.to_owned(), found: subjects.join(", ") });
     }
     let n_all = labeled.len();
-    labeled.retain(|(_, l)| l.is_unlabeled() || l.subject.as_deref() == Some(wanted));
+    let is_own = |l: &Label| l.subject.as_deref() == Some(wanted);
+    let own: BTreeSet<String> =
+        labeled.iter().filter(|(_, l)| is_own(l)).map(|(_, l)| l.name.clone()).collect();
+    let is_bare = |l: &Label| l.subject.is_none() && !l.is_unlabeled() && !own.contains(&l.name);
+    labeled.retain(|(_, l)| l.is_unlabeled() || is_own(l) || is_bare(l));
+    let n_bare = labeled.iter().filter(|(_, l)| is_bare(l)).count();
+    if n_bare > 0 {
+        warnings.push(format!(
+            "{n_bare} markers whose labels name no subject are taken to be those of {wanted:?}"
+        ));
+    }
     if labeled.len() < n_all {
         warnings.push(format!("{} markers of other subjects are left out", n_all - labeled.len()));
     }

@@ -43,6 +43,17 @@ fn only_one_subject() {
         error(CSV, &of("wig")),
         "found no markers of subject \"wig\", expected some: the file has Box, Wig"
     );
+    let of_no_one = CSV.replace("Box:A", "NOSE");
+    assert_eq!(names(&read(&of_no_one, &of("Wig")).capture), ["LFHD", "NOSE", "*1"], "the subject's own");
+    let half_bare = read(&CSV.replace("Wig:LFHD", "LFHD"), &of("Wig"));
+    assert_eq!(names(&half_bare.capture), ["LFHD", "NOSE", "*1"]);
+    assert_eq!(
+        half_bare.report.warnings[..2],
+        [
+            "1 markers whose labels name no subject are taken to be those of \"Wig\"",
+            "1 markers of other subjects are left out"
+        ]
+    );
     let bare = CSV.replace("Wig:", "").replace("Box:", "");
     assert_eq!(names(&read(&bare, &of("Wig")).capture).len(), 4);
 }
