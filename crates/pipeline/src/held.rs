@@ -7,7 +7,8 @@
 use nalgebra::{ComplexField, RealField};
 use std::ops::RangeInclusive;
 use tousle_core::{
-    Attachment, Collider, Fan, HeadCapture, Pose, Session, Shape, StrandSpec, Track, Vec3, median_high,
+    Attachment, Collider, Fan, FrameSpan, HeadCapture, Pose, Session, Shape, StrandSpec, Track, Vec3,
+    median_high,
 };
 use tousle_head::{Located, MarkerReport};
 
@@ -39,6 +40,9 @@ const ROOTS_NEAR_HEAD: RangeInclusive<f64> = 0.5..=2.0;
 /// How far a head marker's still mean may be from the session's place before someone should look, m: ten times what hands measure wrong.
 const MOST_CORRECTION_M: f64 = 0.02;
 
+/// The most that a marker may move in the still frames before a warning, rms, m: ten times the cameras' noise.
+const STILL_M: f64 = 3e-3;
+
 /// How far the two directions that a session gives for one fan may be apart, rad: a fan's azimuth is set by eye.
 const MOST_FAN_ANGLE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
@@ -48,8 +52,9 @@ pub(crate) fn hold_against(session: &Session, located: &Located) -> Result<Vec<S
     let mut warnings = head_markers(&located.report.markers);
     warnings.extend(head_collider(session)?);
     warnings.extend(locks(session, &located.head)?);
-    let is_rest_known = session.still_range(located.head.first_frame, located.head.n_frames()).is_some();
-    if is_rest_known || !located.report.pose_track.moves {
+    let still = session.still_range(located.head.first_frame, located.head.n_frames());
+    warnings.extend(still.and_then(|still| moves_at_rest(&located.head, still)));
+    if still.is_some() || !located.report.pose_track.moves {
         warnings.extend(fans(session, &located.tracked.rest_pose));
     }
     Ok(warnings)
@@ -66,6 +71,27 @@ fn head_markers(markers: &[MarkerReport]) -> Vec<String> {
         )
     })
     .collect()
+}
+
+/// Whether hair moves in the still frames, in words: wind cannot be told from a wrong rest.
+fn moves_at_rest(head: &HeadCapture, (first, last): (usize, usize)) -> Option<String> {
+    let moves_m = |track: &Track| {
+        let seen: Vec<Vec3> = (first..=last).filter_map(|frame| track.at(frame)).collect();
+        let mean = seen.iter().sum::<Vec3>() / seen.len().max(1) as f64;
+        let squares: f64 = seen.iter().map(|p| (p - mean).norm_squared()).sum();
+        (!seen.is_empty()).then(|| (squares / seen.len() as f64).sqrt())
+    };
+    let tracks = head.strands.iter().flat_map(|strand| &strand.markers);
+    let moves_m = median_high(tracks.filter_map(moves_m).collect())?;
+    let span = FrameSpan::of(head.first_frame, &(first..last + 1));
+    (moves_m > STILL_M).then(|| {
+        format!(
+            "found locks that move by {:.1} mm (rms, the median marker) in the still frames {} to {}, expected hair that hangs still",
+            moves_m * 1e3,
+            span.first_frame,
+            span.last_frame
+        )
+    })
 }
 
 /// Whether roots lie on the head that hair can touch, in words; an error if they are not even near it.

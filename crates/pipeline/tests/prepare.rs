@@ -205,6 +205,17 @@ fn markers_that_are_not_there_are_told() {
 }
 
 #[test]
+fn hair_that_is_blown_in_the_still_frames_is_told() {
+    let found = warnings(|session| session["still_frames"] = json!([200, 400]));
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(
+        found[0].starts_with("found locks that move by ")
+            && found[0].ends_with("in the still frames 200 to 400, expected hair that hangs still"),
+        "{found:?}"
+    );
+}
+
+#[test]
 fn still_frames_outside_of_the_capture_are_told_and_others_taken() {
     let outside = prepared(|session| {
         session["still_frames"] = json!([5000, 5100]);
