@@ -237,6 +237,18 @@ fn decimal_commas_between_commas_are_refused() {
 }
 
 #[test]
+fn a_rate_with_a_decimal_comma_is_not_lost() {
+    for rate in ["119,88", "\"119,88\"", "119,88,,,"] {
+        assert_eq!(
+            error(&NEXUS.replace("120\r\n", &format!("{rate}\r\n"))),
+            "line 2: found 119,88, expected a rate with a decimal point"
+        );
+    }
+    let text = NEXUS.replace(',', ";").replace("120\r\n", "119,88\r\n").replace('.', ",");
+    assert_eq!(trajectories(&read(text.as_bytes()).unwrap()).rate_hz, Some(119.88));
+}
+
+#[test]
 fn decimal_commas_hidden_by_missing_markers_are_refused() {
     // The second marker is never seen, so a line split at its commas has no more filled cells than the header.
     let text = "Trajectories\n120\n,,A,,,B,,\nFrame,Sub Frame,X,Y,Z,X,Y,Z\n,,mm,mm,mm,mm,mm,mm\n1,0,165,151,331,839,1508,13,,,\n";
