@@ -131,6 +131,30 @@ fn a_rate_is_never_guessed() {
 }
 
 #[test]
+fn the_times_of_a_trc_tell_a_rate_that_its_header_does_not() {
+    let trc = |rate: &str, n_rows: usize| {
+        let row = |k: usize| format!("{k}\t{:.3}\t1.5\t2.5\t3.5\n", k as f64 / 120.0);
+        let rows: String = (1..=n_rows).map(row).collect();
+        format!("DataRate\tUnits\n{rate}\tmm\nFrame#\tTime\tA\n{rows}")
+    };
+    for rate in ["0", ""] {
+        let ingested = read(&trc(rate, 241), &IngestOptions::default());
+        assert_eq!(ingested.capture.rate_hz, 120.0, "{rate:?}");
+        assert_eq!(
+            ingested.report.warnings,
+            ["the header names no frame rate; the times of the rows are 0.008333 s apart"]
+        );
+        let short = trc(rate, 3);
+        assert_eq!(
+            error(&short, &IngestOptions::default()),
+            "found no frame rate in the file, expected one: pass it"
+        );
+        let given = IngestOptions { rate_hz: Some(120.0), ..IngestOptions::default() };
+        assert_eq!(read(&short, &given).capture.rate_hz, 120.0, "and not 125");
+    }
+}
+
+#[test]
 fn motive_markers_count_once() {
     let take = "Format Version,1.23,Export Frame Rate,100,Length Units,Centimeters\n\
         ,Type,Rigid Body,Rigid Body,Rigid Body,Rigid Body Marker,Rigid Body Marker,Rigid Body Marker,Marker,Marker,Marker\n\
