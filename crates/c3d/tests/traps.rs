@@ -235,6 +235,13 @@ mod frame_count {
     fn of_a_header_that_wrapped() {
         let file = File { last_frame: (LONG - 65536) as u16, ..long(1) };
         assert_eq!(file.clone().with(&trial(1, 70_001)).read().info.n_frames, LONG);
+        let untold = file.with(&[int(1, "FRAMES", 65535)]).read();
+        assert_eq!(untold.info.n_frames, LONG, "as what fits says");
+        assert!(are_frames(&untold.points));
+        let fitted = Warning::Fitted { quantity: Quantity::Frames, header: 4465.0, used: 70_001.0 };
+        assert_eq!(untold.warnings[0], fitted);
+        let longer = File { last_frame: 7, data: frames(131_079, 1, 0), ..File::default() };
+        assert_eq!(longer.read().info.n_frames, 131_079);
         let late =
             File { first_frame: 60_000, last_frame: 500, data: frames(6_037, 1, 0), ..File::default() };
         assert_eq!(late.read().info.n_frames, 6_037);

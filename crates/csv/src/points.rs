@@ -7,6 +7,8 @@ use tousle_cells::{Decimals, Numbers, half_positions, lost_digits, whole};
 pub struct PointTable {
     /// The frame number of each row, as the file counts.
     pub frames: Vec<i64>,
+    /// The line of each row in the file, from 1.
+    pub lines: Vec<u64>,
     /// The points, in the file's order.
     pub points: Vec<Point>,
 }
@@ -77,7 +79,7 @@ impl PointReader {
             numbers,
             last_decimals: Decimals::default(),
             cut_line: None,
-            table: PointTable { frames: Vec::new(), points },
+            table: PointTable { points, ..PointTable::default() },
             odd_lines: 0,
             first_odd_line: None,
             first_doubtful_line: None,
@@ -91,6 +93,7 @@ impl PointReader {
             .ok_or_else(|| CsvError::cell(row.line, 0, row.cell(0), "a frame number (a whole number)"))?;
         self.check_width(row)?;
         self.table.frames.push(frame);
+        self.table.lines.push(row.line);
         if self.table.frames.len().saturating_mul(self.columns.len()) > self.most_positions {
             let found = format!("lines of {} cells or so", row.len());
             return Err(CsvError::line(row.line, found, format!("{} cells in each", self.width.used)));

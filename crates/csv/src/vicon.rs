@@ -47,12 +47,12 @@ pub enum Layout {
 ///
 /// # Errors
 /// [`CsvError`] where a section has no table, a row has more cells than the header, or a cell of a trajectory
-/// holds anything but a number. A decimal comma that could be a separator is one of these.
+/// holds anything but a number. A decimal comma, of a rate too, that could be a separator is one of these.
 pub fn read(bytes: &[u8]) -> Result<ViconFile, CsvError> {
     let bytes = &*plain(bytes);
     let mut rows = Rows::new(bytes);
     let mut file = ViconFile { layout: Layout::Nexus, sections: Vec::new(), warnings: Vec::new() };
-    while let Some(heading) = heading::next(&mut rows, delimiter(bytes)) {
+    while let Some(heading) = heading::next(&mut rows, delimiter(bytes))? {
         let section = section::read(heading, &mut rows, bytes, &mut file)?;
         file.sections.push(section);
     }

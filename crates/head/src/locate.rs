@@ -51,7 +51,7 @@ pub struct Located {
 /// which would shake a tip 25 cm away by half a millimeter, three times the cameras' own noise.
 ///
 /// The paper takes the head's motion away with 8 markers and does not say how (3.1). Here: the rigid transform
-/// of most agreement over the markers that are seen (MSAC over all triples, then least squares), in two passes.
+/// of most agreement over the markers that are seen (MSAC over triples of them, then least squares), in two passes.
 /// After the first, samples that sit on another marker's place are given to that marker (labels that were
 /// exchanged), and the second trusts no marker that failed to follow the head in the first.
 ///

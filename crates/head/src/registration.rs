@@ -24,28 +24,24 @@ pub(crate) struct Registration {
 
 /// The rigid transform that carries most weight of markers to where they were seen, outliers refused.
 ///
-/// Every triple of markers proposes a pose; each is judged by the truncated squared distances of all markers,
+/// Triples of markers propose poses; each is judged by the truncated squared distances of all markers,
 /// weighted by how far each marker is to be trusted; the best is refined by least squares over the markers that
 /// agree, until those no longer change. With at most a dozen head markers trying all triples (220) costs less
-/// than drawing them at random, and gives the same answer each time.
+/// than drawing them at random, and gives the same answer each time; of more markers [`tried`] are some of them.
 ///
 /// `None` with fewer than three markers, or when all lie on a line (the turn about it is unknown).
-/// Source: the judging is MSAC (Torr and Zisserman 2000, eq. 10) with exhaustive sampling.
+/// Source: the judging is MSAC (Torr and Zisserman 2000, eq. 10) with exhaustive or even sampling.
 pub(crate) fn register(pairs: &[Pair], trust: &[f64], tolerance_m: f64) -> Option<Registration> {
     let cost = |pose: &Pose| -> f64 {
         let truncated = |p: &Pair| distance2(pose, p).min(tolerance_m * tolerance_m);
         pairs.iter().map(|p| trust[p.marker] * truncated(p)).sum()
     };
     let mut best: Option<(f64, Pose)> = None;
-    for i in 0..pairs.len() {
-        for j in i + 1..pairs.len() {
-            for k in j + 1..pairs.len() {
-                let Some(pose) = least_squares(&[pairs[i], pairs[j], pairs[k]]) else { continue };
-                let cost = cost(&pose);
-                if best.is_none_or(|(least, _)| cost < least) {
-                    best = Some((cost, pose));
-                }
-            }
+    for triple in tried(pairs.len()) {
+        let Some(pose) = least_squares(&triple.map(|k| pairs[k])) else { continue };
+        let cost = cost(&pose);
+        if best.is_none_or(|(least, _)| cost < least) {
+            best = Some((cost, pose));
         }
     }
     let (_, mut pose) = best?;
@@ -64,6 +60,17 @@ pub(crate) fn register(pairs: &[Pair], trust: &[f64], tolerance_m: f64) -> Optio
     }
     let sum: f64 = used.iter().map(|&k| distance2(&pose, &pairs[k])).sum();
     Some(Registration { world_from_head: pose, residual_m: (sum / used.len() as f64).sqrt(), used })
+}
+
+/// The most triples that are tried. If two of three markers of a face set go their own way, ten of so many triples are still of
+/// markers that follow the head, and any of those finds the others. All triples of 64 markers would be 41,664.
+const MOST_TRIPLES: usize = 300;
+
+/// The triples of so many markers in order; of more than [`MOST_TRIPLES`] every second, third, …: so all markers are in as many.
+fn tried(n: usize) -> impl Iterator<Item = [usize; 3]> {
+    let all = (0..n).flat_map(move |i| (i + 1..n).flat_map(move |j| (j + 1..n).map(move |k| [i, j, k])));
+    let n_all = n * n.saturating_sub(1) * n.saturating_sub(2) / 6;
+    all.step_by(n_all.div_ceil(MOST_TRIPLES).max(1))
 }
 
 fn agreeing(pairs: &[Pair], pose: &Pose, tolerance_m: f64) -> Vec<usize> {
@@ -140,6 +147,38 @@ mod tests {
         pairs[3].seen_m = seen;
         let found = register(&pairs, &[1.0; 6], 2e-3).unwrap();
         assert_eq!(found.used, [1, 2, 4, 5]);
+        assert!(found.world_from_head.rotation.angle_to(&pose.rotation) < 1e-7);
+    }
+
+    #[test]
+    fn many_markers_are_not_tried_in_every_triple() {
+        assert_eq!(tried(2).count(), 0);
+        assert_eq!(tried(12).count(), 220, "all");
+        for n in [14, 16, 24, 40, 64, 100] {
+            let triples: Vec<[usize; 3]> = tried(n).collect();
+            assert!((150..=MOST_TRIPLES).contains(&triples.len()), "{n} markers: {}", triples.len());
+            let n_of = |k: usize| triples.iter().flatten().filter(|&&of| of == k).count();
+            let (least, most) = ((0..n).map(n_of).min(), (0..n).map(n_of).max());
+            assert!(least >= Some(3) && most <= least.map(|n| 4 * n), "{n} markers: {least:?} to {most:?}");
+        }
+    }
+
+    /// A face set of 64, of which two thirds are somewhere else, each by itself.
+    #[test]
+    fn a_third_of_many_markers_is_enough() {
+        let pose = Pose::new(Vec3::new(1.0, -2.0, 1.4), Vec3::new(0.3, 2.0, -1.0));
+        let on_head = |k: usize| {
+            let (turn, z) = (2.4 * k as f64, 1.0 - k as f64 / 32.0);
+            Vec3::new(libm::cos(turn), libm::sin(turn), z) * 0.1
+        };
+        let off = |k: usize| Vec3::new((k % 5) as f64 - 2.0, (k % 7) as f64 - 3.0, 1.0) * 0.02;
+        let pair = |k: usize| {
+            let seen_m = pose.rotation * on_head(k) + pose.translation.vector;
+            Pair { marker: k, place_m: on_head(k), seen_m: if k % 3 == 0 { seen_m } else { seen_m + off(k) } }
+        };
+        let pairs: Vec<Pair> = (0..64).map(pair).collect();
+        let found = register(&pairs, &[1.0; 64], 2e-3).unwrap();
+        assert_eq!(found.used, (0..64).step_by(3).collect::<Vec<_>>());
         assert!(found.world_from_head.rotation.angle_to(&pose.rotation) < 1e-7);
     }
 

@@ -1,8 +1,9 @@
-use crate::label::{Label, is_unlabeled};
+use crate::label::Label;
 use crate::recording::{Point, Recording, Role};
 use crate::time::Rows;
 use crate::{CaptureFormat, IngestError, IngestOptions};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use tousle_core::{Capture, LengthUnit, Track, Trajectory, Vec3};
 
 /// A capture, and how it came to be.
@@ -81,15 +82,23 @@ fn markers(recording: &Recording<'_>, warnings: &mut Vec<String>) -> Result<Vec<
         let n = of_role(Role::Computed);
         warnings.push(format!("{n} points are computed (angles, forces, poses), not seen, and are left out"));
     }
-    let is_labeled_marker =
-        |p: &Point| p.role == Role::Marker && !p.label.as_deref().is_some_and(is_unlabeled);
-    let solved_too = !points.iter().any(is_labeled_marker);
-    if of_role(Role::Solved) > 0 && !solved_too {
-        let n = of_role(Role::Solved);
-        warnings
-            .push(format!("{n} solved positions of markers are left out: the measured ones are there too"));
+    let measured: BTreeSet<&str> =
+        points.iter().filter(|p| p.role == Role::Marker).filter_map(|p| p.label.as_deref()).collect();
+    let is_measured = |p: &Point| p.label.as_deref().is_some_and(|label| measured.contains(label));
+    // Bodies can be exported solved beside markers that are measured: each label by itself tells which it is.
+    let n_twice = points.iter().filter(|p| p.role == Role::Solved && is_measured(p)).count();
+    if n_twice > 0 {
+        warnings.push(format!(
+            "{n_twice} solved positions of markers are left out: the measured ones are there too"
+        ));
     }
-    let is_wanted = |p: &Point| p.role == Role::Marker || p.role == Role::Solved && solved_too;
+    let n_solved = of_role(Role::Solved) - n_twice;
+    if n_solved > 0 {
+        warnings.push(format!(
+            "{n_solved} markers are where a solved body has them: no measured ones have their labels"
+        ));
+    }
+    let is_wanted = |p: &Point| p.role == Role::Marker || p.role == Role::Solved && !is_measured(p);
     let markers: Vec<usize> = (0..points.len()).filter(|&idx| is_wanted(&points[idx])).collect();
     if markers.is_empty() || recording.frames.n_rows() == 0 {
         return Err(IngestError::NoTrajectories { found: contents(recording, markers.len()) });
@@ -108,7 +117,8 @@ fn contents(recording: &Recording<'_>, n_markers: usize) -> String {
     std::iter::once(points).chain(other).collect::<Vec<_>>().join(", ")
 }
 
-/// The subject's markers and those that nobody labeled.
+/// The subject's markers, those that nobody labeled, and those whose labels name no subject: one that has the name of a marker of the
+/// subject's is somebody else's.
 fn of_subject(
     mut labeled: Vec<(usize, Label)>,
     wanted: &str,
@@ -125,7 +135,17 @@ fn of_subject(
         return Err(IngestError::NoSuchSubject { wanted: wanted.to_owned(), found: subjects.join(", ") });
     }
     let n_all = labeled.len();
-    labeled.retain(|(_, l)| l.is_unlabeled() || l.subject.as_deref() == Some(wanted));
+    let is_own = |l: &Label| l.subject.as_deref() == Some(wanted);
+    let own: BTreeSet<String> =
+        labeled.iter().filter(|(_, l)| is_own(l)).map(|(_, l)| l.name.clone()).collect();
+    let is_bare = |l: &Label| l.subject.is_none() && !l.is_unlabeled() && !own.contains(&l.name);
+    labeled.retain(|(_, l)| l.is_unlabeled() || is_own(l) || is_bare(l));
+    let n_bare = labeled.iter().filter(|(_, l)| is_bare(l)).count();
+    if n_bare > 0 {
+        warnings.push(format!(
+            "{n_bare} markers whose labels name no subject are taken to be those of {wanted:?}"
+        ));
+    }
     if labeled.len() < n_all {
         warnings.push(format!("{} markers of other subjects are left out", n_all - labeled.len()));
     }

@@ -63,12 +63,28 @@ pub enum IngestError {
         found: String,
     },
     /// Rows are not in the order of their frames.
-    #[error("frame {frame} comes after frame {previous}, expected rising frame numbers")]
+    #[error("line {line}: found frame {frame} after frame {previous}, expected rising frame numbers")]
     FramesNotRising {
+        /// Its line in the file, from 1.
+        line: u64,
         /// The frame.
         frame: i64,
         /// The frame in the row before.
         previous: i64,
+    },
+    /// One frame number is far from the one before, as a slip of the pen makes it.
+    #[error(
+        "line {line}: found frame {frame} after frame {previous}, expected no gap longer than the {rows} rows of the file together"
+    )]
+    LongGap {
+        /// Its line in the file, from 1.
+        line: u64,
+        /// The frame.
+        frame: i64,
+        /// The frame in the row before.
+        previous: i64,
+        /// Rows in the file.
+        rows: usize,
     },
     /// The frame numbers jump so far that the file holds next to nothing.
     #[error("found frames {first} to {last} in {rows} rows, expected frames nearer to one another")]

@@ -33,11 +33,6 @@ impl Label {
     }
 }
 
-/// Whether a label is one that a program gives to what nobody labeled: blank, `*12`, `Unlabeled 2278`.
-pub(crate) fn is_unlabeled(label: &str) -> bool {
-    Label::of(0, Some(label)).is_unlabeled()
-}
-
 /// The number of `Unlabeled 2278`, `Unlabeled:105`, `unlabelled_3`.
 fn unlabeled_number(label: &str) -> Option<&str> {
     const WORDS: [&str; 2] = ["unlabelled", "unlabeled"];

@@ -9,7 +9,7 @@ pub struct IngestOptions {
     pub unit_override: Option<LengthUnit>,
     /// Frames a second where the file does not say.
     pub rate_hz: Option<f64>,
-    /// Only this subject's markers, and those that nobody labeled; all markers if absent.
+    /// Only this subject's markers, those whose labels name no subject, and those that nobody labeled; all markers if absent.
     pub subject: Option<String>,
     /// Takes positions that are exactly 0, 0, 0 as they are. Without it they count as missing, and are reported:
     /// programs write so what the cameras did not see, and the cameras never see exactly that.

@@ -30,8 +30,8 @@ pub(crate) struct Recording<'a> {
 pub(crate) enum Frames {
     /// One after the other.
     From { first: i64, n_rows: usize },
-    /// As each row says.
-    Listed(Vec<i64>),
+    /// As each row says; `lines` is where the rows stand in the file, from 1.
+    Listed { frames: Vec<i64>, lines: Vec<u64> },
 }
 
 /// One point of a recording.
@@ -69,33 +69,33 @@ impl Point {
 
 impl Frames {
     /// Frame numbers as listed, in short form if they simply count.
-    pub fn listed(frames: Vec<i64>) -> Self {
+    pub fn listed(frames: Vec<i64>, lines: Vec<u64>) -> Self {
         let counts = frames.windows(2).all(|pair| pair[0].checked_add(1) == Some(pair[1]));
         match frames.first() {
             Some(&first) if counts => Self::From { first, n_rows: frames.len() },
             None => Self::From { first: 1, n_rows: 0 },
-            Some(_) => Self::Listed(frames),
+            Some(_) => Self::Listed { frames, lines },
         }
     }
 
     pub fn first(&self) -> i64 {
         match self {
             Self::From { first, .. } => *first,
-            Self::Listed(frames) => frames.first().copied().unwrap_or(1),
+            Self::Listed { frames, .. } => frames.first().copied().unwrap_or(1),
         }
     }
 
     pub fn last(&self) -> i64 {
         match self {
             Self::From { first, n_rows } => first.saturating_add_unsigned(*n_rows as u64).saturating_sub(1),
-            Self::Listed(frames) => frames.last().copied().unwrap_or(1),
+            Self::Listed { frames, .. } => frames.last().copied().unwrap_or(1),
         }
     }
 
     pub fn n_rows(&self) -> usize {
         match self {
             Self::From { n_rows, .. } => *n_rows,
-            Self::Listed(frames) => frames.len(),
+            Self::Listed { frames, .. } => frames.len(),
         }
     }
 }

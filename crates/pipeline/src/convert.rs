@@ -91,14 +91,14 @@ pub enum ConvertError {
         /// Why.
         source: CheckError,
     },
-    /// Locks are seen that are not those of the session.
+    /// Locks are seen that are not those of the session, or its head is not where they grow.
     #[error("the session {session} does not fit the hair in the capture {capture}: {found}")]
     OtherLocks {
         /// The session file.
         session: String,
         /// The marker file.
         capture: String,
-        /// Which locks, what was found of them and what was expected.
+        /// Which locks or which head, what was found of them and what was expected.
         found: String,
     },
     /// Nobody says which way is up, and gravity must point somewhere.

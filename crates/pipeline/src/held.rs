@@ -5,7 +5,11 @@
 //! between two markers; what lies beyond them is another unit, another lock, or a slip of the pen.
 
 use nalgebra::{ComplexField, RealField};
-use tousle_core::{Fan, HeadCapture, Pose, Session, StrandSpec, Track, Vec3};
+use std::ops::RangeInclusive;
+use tousle_core::{
+    Attachment, Collider, Fan, FrameSpan, HeadCapture, Pose, Session, Shape, StrandSpec, Track, Vec3,
+    median_high,
+};
 use tousle_head::{Located, MarkerReport};
 
 /// How much longer than the hair the way along the markers may seem: a tape is laid along hair with an error of some percent, and
@@ -26,18 +30,31 @@ const LEAST_REACH: f64 = 0.5;
 /// A root farther than this from all head markers and from the head's center is not on a head, m.
 const FARTHEST_ROOT_M: f64 = 0.3;
 
+/// How far from the head's center roots may lie, as a share of the way to its surface: on a wig's cap they are a tenth farther out, and
+/// hands measure heads to a tenth. Full axes given for half axes make it 0.5.
+const ROOTS_ON_HEAD: RangeInclusive<f64> = 0.75..=1.35;
+
+/// Beyond these shares the head or its roots are in another unit.
+const ROOTS_NEAR_HEAD: RangeInclusive<f64> = 0.5..=2.0;
+
 /// How far a head marker's still mean may be from the session's place before someone should look, m: ten times what hands measure wrong.
 const MOST_CORRECTION_M: f64 = 0.02;
+
+/// The most that a marker may move in the still frames before a warning, rms, m: ten times the cameras' noise.
+const STILL_M: f64 = 3e-3;
 
 /// How far the two directions that a session gives for one fan may be apart, rad: a fan's azimuth is set by eye.
 const MOST_FAN_ANGLE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
-/// Warnings of all that can be used and does not fit; the error is a list of the locks of which nothing fits.
+/// Warnings of all that can be used and does not fit; the error is a list of the locks of which nothing fits, or the head if its roots are
+/// nowhere near it.
 pub(crate) fn hold_against(session: &Session, located: &Located) -> Result<Vec<String>, String> {
     let mut warnings = head_markers(&located.report.markers);
+    warnings.extend(head_collider(session)?);
     warnings.extend(locks(session, &located.head)?);
-    let is_rest_known = session.still_range(located.head.first_frame, located.head.n_frames()).is_some();
-    if is_rest_known || !located.report.pose_track.moves {
+    let still = session.still_range(located.head.first_frame, located.head.n_frames());
+    warnings.extend(still.and_then(|still| moves_at_rest(&located.head, still)));
+    if still.is_some() || !located.report.pose_track.moves {
         warnings.extend(fans(session, &located.tracked.rest_pose));
     }
     Ok(warnings)
@@ -54,6 +71,56 @@ fn head_markers(markers: &[MarkerReport]) -> Vec<String> {
         )
     })
     .collect()
+}
+
+/// Whether hair moves in the still frames, in words: wind cannot be told from a wrong rest.
+fn moves_at_rest(head: &HeadCapture, (first, last): (usize, usize)) -> Option<String> {
+    let moves_m = |track: &Track| {
+        let seen: Vec<Vec3> = (first..=last).filter_map(|frame| track.at(frame)).collect();
+        let mean = seen.iter().sum::<Vec3>() / seen.len().max(1) as f64;
+        let squares: f64 = seen.iter().map(|p| (p - mean).norm_squared()).sum();
+        (!seen.is_empty()).then(|| (squares / seen.len() as f64).sqrt())
+    };
+    let tracks = head.strands.iter().flat_map(|strand| &strand.markers);
+    let moves_m = median_high(tracks.filter_map(moves_m).collect())?;
+    let span = FrameSpan::of(head.first_frame, &(first..last + 1));
+    (moves_m > STILL_M).then(|| {
+        format!(
+            "found locks that move by {:.1} mm (rms, the median marker) in the still frames {} to {}, expected hair that hangs still",
+            moves_m * 1e3,
+            span.first_frame,
+            span.last_frame
+        )
+    })
+}
+
+/// Whether roots lie on the head that hair can touch, in words; an error if they are not even near it.
+fn head_collider(session: &Session) -> Result<Option<String>, String> {
+    let ellipsoid = |c: &Collider| match c.shape {
+        Shape::Ellipsoid { center_m, half_axes_m } if c.attachment == Attachment::Head => {
+            Some((center_m, half_axes_m))
+        }
+        _ => None,
+    };
+    let Some((center_m, half_axes_m)) = session.body.colliders.iter().find_map(ellipsoid) else {
+        return Ok(None);
+    };
+    let share = |s: &StrandSpec| (s.root_m - center_m).component_div(&half_axes_m).norm();
+    let Some(share) = median_high(session.strands.iter().map(share).collect()) else { return Ok(None) };
+    let is_assumed = session.assumed.iter().any(|assumed| assumed.what == "colliders");
+    let head = if is_assumed {
+        "an adult's head, as the session has no `colliders`"
+    } else {
+        "`head_ellipsoid_half_axes_mm`"
+    };
+    let words = format!(
+        "{head}: found roots (`root_mm`) at {share:.2} of the way from its center to its surface (the median), expected them on it"
+    );
+    match share {
+        share if ROOTS_ON_HEAD.contains(&share) => Ok(None),
+        share if ROOTS_NEAR_HEAD.contains(&share) => Ok(Some(words)),
+        _ => Err(words),
+    }
 }
 
 /// A lock's way from its root along the markers that are seen, and what the session says of it.

@@ -116,6 +116,29 @@ fn a_root_that_is_not_on_the_head_is_told() {
     );
 }
 
+/// Full axes for half axes, a head in centimeters, and one in meters, with colliders or without.
+#[test]
+fn a_head_on_which_no_hair_grows_is_told() {
+    const AXES: &str = "head_ellipsoid_half_axes_mm";
+    let scaled = |factor: f64| move |session: &mut Value| times(&mut session["colliders"][AXES], factor);
+    let doubled = warnings(scaled(1.8));
+    assert_eq!(doubled.len(), 1, "{doubled:?}");
+    assert!(
+        doubled[0].starts_with("`head_ellipsoid_half_axes_mm`: found roots (`root_mm`) at 0.5")
+            && doubled[0].ends_with("expected them on it"),
+        "{doubled:?}"
+    );
+    for factor in [0.1, 0.001, 10.0] {
+        let error = error(scaled(factor));
+        assert!(error.contains("capture demo: `head_ellipsoid_half_axes_mm`: found roots"), "{error}");
+    }
+    let error = error(|session| {
+        session.as_object_mut().unwrap().remove("colliders");
+        each_lock(session, |lock| times(&mut lock["root_mm"], 0.1));
+    });
+    assert!(error.contains("an adult's head, as the session has no `colliders`: found roots"), "{error}");
+}
+
 #[test]
 fn a_head_marker_far_from_its_place_is_told() {
     let found = warnings(|session| {
@@ -179,6 +202,17 @@ fn markers_that_are_not_there_are_told() {
     assert_eq!(warnings[1], "locks without a marker in the capture are left out: T99");
     let crown = prepared.located.report.markers.iter().find(|m| m.label == "CROWN").unwrap();
     assert!(crown.is_never_seen() && !crown.trusted);
+}
+
+#[test]
+fn hair_that_is_blown_in_the_still_frames_is_told() {
+    let found = warnings(|session| session["still_frames"] = json!([200, 400]));
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(
+        found[0].starts_with("found locks that move by ")
+            && found[0].ends_with("in the still frames 200 to 400, expected hair that hangs still"),
+        "{found:?}"
+    );
 }
 
 #[test]

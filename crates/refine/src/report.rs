@@ -38,7 +38,7 @@ impl RefineReport {
         (off_m.is_nan() || share_of_motion.is_nan() || is_off).then(|| {
             format!(
                 "found the captured wig, simulated in this wind, off by {:.0} mm, {:.0} % of how far it moved, expected \
-                 10 % at most: is the session right (still frames, up axis, places of roots)?",
+                 10 % at most: is the session right (still frames, up axis, places of roots, colliders)?",
                 off_m * 1e3,
                 share_of_motion * 1e2
             )

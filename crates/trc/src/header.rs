@@ -1,6 +1,6 @@
 use crate::TrcError;
 use crate::line::{Line, Lines, Separator, filled_len};
-use tousle_cells::{Numbers, text, whole};
+use tousle_cells::{Numbers, shorten, text, whole};
 
 /// What the header says. Its counts can be wrong: the body is what is there.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,10 +29,10 @@ pub(crate) fn read(lines: &mut Lines<'_>) -> Result<(Header, Separator), TrcErro
     if keys.bytes.trim_ascii().to_ascii_lowercase().starts_with(b"pathfiletype") {
         keys = next(lines, keys.number + 1, KEYS)?;
     }
-    if !keys.bytes.trim_ascii().to_ascii_lowercase().starts_with(b"datarate") {
-        return Err(TrcError::line(keys.number, "something else", KEYS));
-    }
     let separator = Separator::of(keys.bytes);
+    if !separator.split(keys.bytes).iter().any(|key| key.eq_ignore_ascii_case(b"datarate")) {
+        return Err(TrcError::line(keys.number, format!("{:?}", shorten(&text(keys.bytes))), KEYS));
+    }
     let values = next(lines, keys.number + 1, "the values of these keys")?;
     Ok((pair(separator, &keys, &values)?, separator))
 }

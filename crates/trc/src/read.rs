@@ -9,6 +9,8 @@ pub struct Trc {
     pub header: Header,
     /// The frame number of each row, as the file counts.
     pub frames: Vec<i64>,
+    /// The line of each row in the file, from 1.
+    pub lines: Vec<u64>,
     /// The time of each row, s, where the file gives it.
     pub times_secs: Vec<Option<f64>>,
     /// The markers that have a label, in the file's order.
@@ -83,6 +85,7 @@ struct Body {
     open_at: Option<(u64, u64)>,
     lost_digits: bool,
     frames: Vec<i64>,
+    lines: Vec<u64>,
     times_secs: Vec<Option<f64>>,
     positions: Vec<Vec<Option<[f64; 3]>>>,
     short_rows: Tally,
@@ -120,6 +123,7 @@ impl Body {
             open_at: None,
             lost_digits: false,
             frames: Vec::new(),
+            lines: Vec::new(),
             times_secs: Vec::new(),
             short_rows: Tally::default(),
             unnamed_rows: Tally::default(),
@@ -149,6 +153,7 @@ impl Body {
         let width = 2 + 3 * self.labels.len();
         self.check_width(line, cells, width)?;
         self.frames.push(frame);
+        self.lines.push(line.number);
         if self.frames.len().saturating_mul(self.labels.len()) > self.most_positions {
             let found = format!("{} cells, as in most lines before", cells.len());
             return Err(TrcError::line(line.number, found, format!("{width} cells")));
@@ -233,7 +238,8 @@ impl Body {
         let cut = claimed.zip(self.open_at).filter(|(n, _)| *n > n_frames as u64);
         let cut = cut.map(|(claimed, (_, n_whole))| (claimed, n_whole));
         let markers = named.into_iter().map(|(label, positions)| Marker { label, positions }).collect();
-        Ok(Trc { header, frames: self.frames, times_secs: self.times_secs, markers, cut, warnings })
+        let (frames, lines, times_secs) = (self.frames, self.lines, self.times_secs);
+        Ok(Trc { header, frames, lines, times_secs, markers, cut, warnings })
     }
 
     fn oddities(&self) -> Vec<String> {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::Point;
 
 const NEXUS: &str = "Trajectories\r\n\
     120\r\n\
@@ -12,6 +13,12 @@ fn trajectories(file: &ViconFile) -> &Section {
     file.sections.iter().find(|s| s.kind == SectionKind::Trajectories).unwrap()
 }
 
+/// What the rows of trajectories hold, wherever in the file they stand.
+fn rows(file: &ViconFile) -> (&[i64], &[Point]) {
+    let table = &trajectories(file).table;
+    (&table.frames, &table.points)
+}
+
 fn error(text: &str) -> String {
     read(text.as_bytes()).unwrap_err().to_string()
 }
@@ -23,6 +30,7 @@ fn a_nexus_file() {
     assert_eq!(file.layout, Layout::Nexus);
     assert_eq!(section.rate_hz, Some(120.0));
     assert_eq!(section.table.frames, [695, 696]);
+    assert_eq!(section.table.lines, [6, 7]);
     assert_eq!(section.names, ["Wig:LFHD", "Wig:NOSE"]);
     let [head, nose] = &section.table.points[..] else { panic!("two points") };
     assert_eq!(head.positions[0], Some([165.151, 331.839, 1508.13]));
@@ -105,10 +113,10 @@ fn all_sections_in_one_file() {
         ]
     );
     assert_eq!(file.sections[1].names, ["Plate - Force"]);
-    assert_eq!(trajectories(&file).table, read(NEXUS.as_bytes()).unwrap().sections[0].table);
+    assert_eq!(rows(&file), rows(&read(NEXUS.as_bytes()).unwrap()));
     // The order of sections is the exporter's affair.
     let turned = read(format!("{NEXUS}\r\n{ALL_SECTIONS}").as_bytes()).unwrap();
-    assert_eq!(trajectories(&turned).table, trajectories(&file).table);
+    assert_eq!(rows(&turned), rows(&file));
     assert_eq!(turned.sections.len(), 4);
 }
 
@@ -117,7 +125,7 @@ fn title_and_rate_may_be_cut_off() {
     let untitled = NEXUS.strip_prefix("Trajectories\r\n120\r\n").unwrap();
     let file = read(untitled.as_bytes()).unwrap();
     assert_eq!(trajectories(&file).rate_hz, None);
-    assert_eq!(trajectories(&file).table, read(NEXUS.as_bytes()).unwrap().sections[0].table);
+    assert_eq!(rows(&file), rows(&read(NEXUS.as_bytes()).unwrap()));
     let angles = untitled.replace("mm", "deg");
     assert_eq!(read(angles.as_bytes()).unwrap().sections[0].kind, SectionKind::Other);
 }
@@ -226,6 +234,18 @@ fn decimal_commas_between_commas_are_refused() {
         "line 7, column 4: found \"1,508\", expected a number with the decimal mark that the rest of the file uses, \
          without thousands separators"
     );
+}
+
+#[test]
+fn a_rate_with_a_decimal_comma_is_not_lost() {
+    for rate in ["119,88", "\"119,88\"", "119,88,,,"] {
+        assert_eq!(
+            error(&NEXUS.replace("120\r\n", &format!("{rate}\r\n"))),
+            "line 2: found 119,88, expected a rate with a decimal point"
+        );
+    }
+    let text = NEXUS.replace(',', ";").replace("120\r\n", "119,88\r\n").replace('.', ",");
+    assert_eq!(trajectories(&read(text.as_bytes()).unwrap()).rate_hz, Some(119.88));
 }
 
 #[test]

@@ -30,6 +30,7 @@ pub fn exercise(bytes: &[u8]) {
 }
 
 fn check(table: &PointTable, bytes: &[u8]) {
+    assert_eq!(table.lines.len(), table.frames.len());
     for point in &table.points {
         assert_eq!(point.positions.len(), table.frames.len());
         assert!(point.positions.iter().flatten().flatten().all(|x| x.is_finite()));

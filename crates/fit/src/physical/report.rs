@@ -2,7 +2,7 @@ use super::lock::SeenLock;
 use super::prior::is_still;
 use super::solve::{Problem, Solved};
 use serde::Serialize;
-use tousle_core::{FrameSpan, Track, Vec3, median_high};
+use tousle_core::Vec3;
 use tousle_flow::AirState;
 
 /// What the method `physical` found out on the way and what it took for granted.
@@ -64,31 +64,6 @@ pub(crate) fn report(problem: &Problem<'_>, solved: &Solved) -> PhysicalReport {
     }
 }
 
-/// The most that a marker may move in the still frames before a warning, rms, m: ten times the cameras' noise.
-const STILL_M: f64 = 3e-3;
-
-/// Hair that is not still in the still frames.
-fn moves_at_rest(problem: &Problem<'_>) -> Option<String> {
-    let (first, last) = problem.still?;
-    let moves_m = |track: &Track| {
-        let seen: Vec<Vec3> = (first..=last).filter_map(|frame| track.at(frame)).collect();
-        let mean = seen.iter().sum::<Vec3>() / seen.len().max(1) as f64;
-        let squares: f64 = seen.iter().map(|p| (p - mean).norm_squared()).sum();
-        (!seen.is_empty()).then(|| (squares / seen.len() as f64).sqrt())
-    };
-    let tracks = problem.head.strands.iter().flat_map(|strand| &strand.markers);
-    let moves_m = median_high(tracks.filter_map(moves_m).collect())?;
-    let span = FrameSpan::of(problem.head.first_frame, &(first..last + 1));
-    (moves_m > STILL_M).then(|| {
-        format!(
-            "found locks that move by {:.1} mm (rms, the median marker) in the still frames {} to {}, expected hair that hangs still",
-            moves_m * 1e3,
-            span.first_frame,
-            span.last_frame
-        )
-    })
-}
-
 /// Hair at rest that does not point down.
 fn does_not_hang(problem: &Problem<'_>) -> Option<String> {
     problem.still?;
@@ -113,7 +88,6 @@ fn warnings(problem: &Problem<'_>) -> Vec<String> {
             "no still frames lie in the capture: the locks' shape without wind is unknown, their bending counts little".into(),
         );
     }
-    warnings.extend(moves_at_rest(problem));
     warnings.extend(does_not_hang(problem));
     if problem.session.fans.is_empty() {
         warnings.push("the session names no fan: the wind outside is told from the locks alone".into());

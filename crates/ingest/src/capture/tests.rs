@@ -43,6 +43,17 @@ fn only_one_subject() {
         error(CSV, &of("wig")),
         "found no markers of subject \"wig\", expected some: the file has Box, Wig"
     );
+    let of_no_one = CSV.replace("Box:A", "NOSE");
+    assert_eq!(names(&read(&of_no_one, &of("Wig")).capture), ["LFHD", "NOSE", "*1"], "the subject's own");
+    let half_bare = read(&CSV.replace("Wig:LFHD", "LFHD"), &of("Wig"));
+    assert_eq!(names(&half_bare.capture), ["LFHD", "NOSE", "*1"]);
+    assert_eq!(
+        half_bare.report.warnings[..2],
+        [
+            "1 markers whose labels name no subject are taken to be those of \"Wig\"",
+            "1 markers of other subjects are left out"
+        ]
+    );
     let bare = CSV.replace("Wig:", "").replace("Box:", "");
     assert_eq!(names(&read(&bare, &of("Wig")).capture).len(), 4);
 }
@@ -120,6 +131,30 @@ fn a_rate_is_never_guessed() {
 }
 
 #[test]
+fn the_times_of_a_trc_tell_a_rate_that_its_header_does_not() {
+    let trc = |rate: &str, n_rows: usize| {
+        let row = |k: usize| format!("{k}\t{:.3}\t1.5\t2.5\t3.5\n", k as f64 / 120.0);
+        let rows: String = (1..=n_rows).map(row).collect();
+        format!("DataRate\tUnits\n{rate}\tmm\nFrame#\tTime\tA\n{rows}")
+    };
+    for rate in ["0", ""] {
+        let ingested = read(&trc(rate, 241), &IngestOptions::default());
+        assert_eq!(ingested.capture.rate_hz, 120.0, "{rate:?}");
+        assert_eq!(
+            ingested.report.warnings,
+            ["the header names no frame rate; the times of the rows are 0.008333 s apart"]
+        );
+        let short = trc(rate, 3);
+        assert_eq!(
+            error(&short, &IngestOptions::default()),
+            "found no frame rate in the file, expected one: pass it"
+        );
+        let given = IngestOptions { rate_hz: Some(120.0), ..IngestOptions::default() };
+        assert_eq!(read(&short, &given).capture.rate_hz, 120.0, "and not 125");
+    }
+}
+
+#[test]
 fn motive_markers_count_once() {
     let take = "Format Version,1.23,Export Frame Rate,100,Length Units,Centimeters\n\
         ,Type,Rigid Body,Rigid Body,Rigid Body,Rigid Body Marker,Rigid Body Marker,Rigid Body Marker,Marker,Marker,Marker\n\
@@ -143,6 +178,13 @@ fn motive_markers_count_once() {
     );
     let unlabeled = take.replace("Head:A,Head:A,Head:A\n", "Unlabeled 7,Unlabeled 7,Unlabeled 7\n");
     assert_eq!(names(&read(&unlabeled, &IngestOptions::default()).capture), ["A", "*7"]);
+    let of_hair = take.replace("Head:A,Head:A,Head:A\n", "S01_1,S01_1,S01_1\n");
+    let ingested = read(&of_hair, &IngestOptions::default());
+    assert_eq!(names(&ingested.capture), ["A", "S01_1"]);
+    assert_eq!(
+        ingested.report.warnings[1],
+        "1 markers are where a solved body has them: no measured ones have their labels"
+    );
 }
 
 #[test]

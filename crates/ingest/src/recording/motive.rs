@@ -1,4 +1,4 @@
-use super::trc::step_secs;
+use super::trc::rate_of_times;
 use super::{Frames, Point, Positions, Recording, Role};
 use crate::{CaptureFormat, IngestError, OtherContent};
 
@@ -6,13 +6,8 @@ use crate::{CaptureFormat, IngestError, OtherContent};
 pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
     let file = tousle_csv::motive::read(bytes)?;
     let mut warnings = file.warnings;
-    let mut rate_hz = file.rate_hz.filter(|rate| *rate > 0.0);
-    if rate_hz.is_none()
-        && let Some(step) = step_secs(&file.times_secs, &file.table.frames).filter(|step| *step > 0.0)
-    {
-        rate_hz = Some(1.0 / step);
-        warnings.push(format!("the header names no frame rate; the times of the rows are {step:.6} s apart"));
-    }
+    let of_header = file.rate_hz.filter(|rate| *rate > 0.0);
+    let rate_hz = of_header.or_else(|| rate_of_times(&file.times_secs, &file.table.frames, &mut warnings));
     let rotations = OtherContent {
         what: "rotations".into(),
         count: file.rotations.len(),
@@ -24,7 +19,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
         format: CaptureFormat::MotiveCsv,
         rate_hz,
         other_rate_hz: None,
-        frames: Frames::listed(file.table.frames),
+        frames: Frames::listed(file.table.frames, file.table.lines),
         unit: file.unit,
         up_axis: None,
         points,

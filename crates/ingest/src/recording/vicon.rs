@@ -20,7 +20,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording<'_>, IngestError> {
     let unit = unit(&main, &mut warnings);
     let table = std::mem::take(&mut main.table);
     let frames = match idx {
-        Some(_) => Frames::listed(table.frames),
+        Some(_) => Frames::listed(table.frames, table.lines),
         None => Frames::From { first: main.first_frame.unwrap_or(1), n_rows: main.n_rows },
     };
     let format = match layout {

@@ -109,7 +109,8 @@ impl<'de> Visitor<'de> for PlacesVisitor {
     }
 }
 
-/// Parses JSON or TOML, whichever the text is: a JSON session begins with a brace, which no TOML does.
+/// Parses JSON or TOML, whichever the text is: a JSON session begins with a brace, which no TOML does. Errors of TOML would mislead
+/// about what can only be meant for JSON.
 pub(super) fn parse(bytes: &[u8]) -> Result<SessionFile, SessionError> {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     if bytes.trim_ascii().is_empty() {
@@ -119,10 +120,23 @@ pub(super) fn parse(bytes: &[u8]) -> Result<SessionFile, SessionError> {
         return Err(SessionError::NotASession { found: format!("a capture ({format})") });
     }
     let text = std::str::from_utf8(bytes).map_err(|e| SessionError::NotText { offset: e.valid_up_to() })?;
+    if let Some(found) = no_session(text.trim_start()) {
+        return Err(SessionError::NotASession { found: found.into() });
+    }
     let (file, fields) =
         if text.trim_start().starts_with('{') { parse_json(text)? } else { parse_toml(text)? };
     spelling::check(&fields)?;
     Ok(file)
+}
+
+/// What a text is that is neither TOML nor JSON with a brace at its start.
+fn no_session(text: &str) -> Option<&'static str> {
+    if text.starts_with("//") || text.starts_with("/*") {
+        return Some("a comment with a slash, which neither JSON nor TOML has,");
+    }
+    // TOML names a table between brackets.
+    let in_list = text.strip_prefix('[')?.trim_start_matches('[').trim_start();
+    in_list.starts_with(['{', ']']).then_some("a JSON list")
 }
 
 fn parse_json(text: &str) -> Result<(SessionFile, serde_json::Value), SessionError> {

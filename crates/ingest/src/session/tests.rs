@@ -49,6 +49,21 @@ fn lengths_become_meters_and_defaults_are_listed() {
 }
 
 #[test]
+fn what_is_meant_for_json_is_not_called_bad_toml() {
+    let error = |text: String| read_session(text.as_bytes()).unwrap_err().to_string();
+    let expected = "expected a session in JSON or TOML";
+    for comment in ["// by Ann\n", "\n/* by Ann */ "] {
+        let found = error(format!("{comment}{JSON}"));
+        assert_eq!(
+            found,
+            format!("found a comment with a slash, which neither JSON nor TOML has, {expected}")
+        );
+    }
+    assert_eq!(error(format!("[{JSON}]")), format!("found a JSON list, {expected}"));
+    assert_eq!(error("[ ]".to_owned()), format!("found a JSON list, {expected}"));
+}
+
+#[test]
 fn errors_say_where() {
     assert_eq!(
         error_with("\"length_mm\": 175", "\"length_mm\": -175"),

@@ -26,6 +26,7 @@ fn check_same(text: &str) -> Vec<String> {
 fn a_tidy_file() {
     let trc = read(TRC.as_bytes()).unwrap();
     assert_eq!(trc.frames, [7, 8]);
+    assert_eq!(trc.lines, [7, 8]);
     assert_eq!(trc.times_secs, [Some(0.0), Some(0.01)]);
     assert_eq!(trc.markers[0].label, "LFHD");
     assert_eq!(trc.markers[0].positions, [Some([165.1, 331.8, 1508.1]), Some([165.2, 331.9, 1508.2])]);
@@ -50,6 +51,8 @@ fn the_same_file_in_other_clothes() {
     );
     assert_eq!(check_same(&TRC.replace("PathFileType\t4\t(X/Y/Z)\ttrial.trc\n", "")), none);
     assert_eq!(check_same(TRC.trim_end()), none);
+    let turned = TRC.replace("DataRate\tCameraRate\tNumFrames", "NumFrames\tCameraRate\tDataRate");
+    assert_eq!(check_same(&turned.replace("100.00\t100.00\t2\t2", "2\t100.00\t100.00\t2")), none);
     let utf_16: Vec<u8> = format!("\u{feff}{TRC}").encode_utf16().flat_map(u16::to_le_bytes).collect();
     assert_eq!(read(&utf_16).unwrap(), read(TRC.as_bytes()).unwrap());
 }
@@ -138,6 +141,10 @@ fn what_is_no_trc_is_refused_with_its_line() {
     assert_eq!(
         error("PathFileType\t4\nDataRate\tNumFrames\n"),
         "line 3: found the end of the file, expected the values of these keys"
+    );
+    assert_eq!(
+        error(&format!("# exported by hand\n{TRC}")),
+        "line 1: found \"# exported by hand\", expected a line with `DataRate`, `NumFrames`, `Units`"
     );
     assert_eq!(error(&TRC.replace("331.9", "x")), "line 8, column 4: found \"x\", expected a number");
     assert_eq!(

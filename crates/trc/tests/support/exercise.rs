@@ -12,6 +12,7 @@ pub fn exercise(bytes: &[u8]) {
     };
     assert!(trc.warnings.iter().all(|w| !w.is_empty()));
     assert_eq!(trc.times_secs.len(), trc.frames.len());
+    assert_eq!(trc.lines.len(), trc.frames.len());
     for marker in &trc.markers {
         assert!(!marker.label.is_empty());
         assert_eq!(marker.positions.len(), trc.frames.len());

@@ -1,8 +1,8 @@
 use super::Layout;
-use super::claims::{ALL_THAT_FIT, Claim, Claims, QUANTITIES, Source, claims_of};
+use super::claims::{ALL_THAT_FIT, Claim, Claims, QUANTITIES, Source, WRAPPED, claims_of};
 use crate::io::reader::header::Start;
 use crate::parameter::Parameters;
-use crate::{BLOCK, Quantity, Storage, Warning};
+use crate::{BLOCK, Header, Quantity, Storage, Warning};
 
 /// The claims that explain the file's size best.
 pub(super) struct Choice {
@@ -63,19 +63,27 @@ fn try_out(start: &Start, data_end: u64, chosen: [Claim; 5]) -> (Choice, Fit) {
         scale: scale.abs() as f32,
         n_points: points as u64,
         analog_words: words as u64,
-        n_frames: frames.max(0.0) as u64,
+        n_frames: 0,
         data_start,
     };
     let frame_bytes = layout.frame_bytes();
-    if frames == ALL_THAT_FIT {
-        layout.n_frames = data_bytes.checked_div(frame_bytes).unwrap_or(0);
-    }
+    layout.n_frames = n_frames(frames, &start.header, data_bytes.checked_div(frame_bytes).unwrap_or(0));
     let fit = match data_bytes.checked_sub(layout.n_frames.saturating_mul(frame_bytes)) {
         None => Fit::Short,
         Some(n_left) if n_left < BLOCK || frame_bytes == 0 || frames == ALL_THAT_FIT => Fit::Exact,
         Some(_) => Fit::Loose,
     };
     (Choice { layout, data_bytes }, fit)
+}
+
+/// The frames that a claim stands for where so many fit.
+fn n_frames(claim: f64, header: &Header, n_fitting: u64) -> u64 {
+    let by_header = u64::from(header.last_frame.wrapping_sub(header.first_frame).wrapping_add(1));
+    match claim {
+        ALL_THAT_FIT => n_fitting,
+        WRAPPED => by_header + n_fitting.saturating_sub(by_header) / 65536 * 65536,
+        _ => claim.max(0.0) as u64,
+    }
 }
 
 /// Where the data ends: at the rotations, which stand behind it, or at the end of the file.

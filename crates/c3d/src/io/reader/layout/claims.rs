@@ -37,6 +37,9 @@ pub(super) enum Source {
 /// "As many frames as fit", where the file does not say how many there are.
 pub(super) const ALL_THAT_FIT: f64 = f64::INFINITY;
 
+/// "So many times 65,536 frames more than the header says as fit", where its 16 bits may have wrapped.
+pub(super) const WRAPPED: f64 = f64::NEG_INFINITY;
+
 /// The claims of each of [`QUANTITIES`]; every one has at least one claim.
 pub(super) fn claims_of(start: &Start, parameters: &Parameters) -> [Claims; 5] {
     [
@@ -104,7 +107,8 @@ fn analog_words(start: &Start, parameters: &Parameters) -> Claims {
     claims
 }
 
-/// Frame counts have 16 bits in the header; longer trials say 65535 there and the truth in parameters.
+/// Frame counts have 16 bits in the header; longer trials say 65535 there and the truth in parameters. Some writers drop the bits
+/// above, and say the truth nowhere.
 fn frames(start: &Start, parameters: &Parameters) -> Claims {
     let (first, last) = (f64::from(start.header.first_frame), f64::from(start.header.last_frame));
     let mut claims = Claims::new(last - first + 1.0);
@@ -128,6 +132,9 @@ fn frames(start: &Start, parameters: &Parameters) -> Claims {
             claims.add(n, Source::Parameter(name));
         }
         let is_untold = claims.claims.iter().all(|c| c.value <= 0.0);
+        if !is_full {
+            claims.add(WRAPPED, Source::Derived);
+        }
         if is_full || is_untold {
             claims.add(ALL_THAT_FIT, Source::Derived);
         }
