@@ -22,7 +22,8 @@ use tousle_field::{Field, FieldLayer, Scene};
 /// Reads single steps of a field file, holding one of them at a time.
 ///
 /// It finds its way by the summary at the file's end and reads nothing that it was not asked for; what it reads
-/// it checks as [`crate::read()`] does, by the checksums of the summary and of each chunk.
+/// it checks as [`crate::read()`] does, by the checksums of the summary and of each chunk. A file with messages outside
+/// chunks is gone through once as it is opened: these are in no index, and only the checksum of all data is of them.
 #[derive(Debug)]
 pub struct Reader<R> {
     input: R,
@@ -261,10 +262,10 @@ fn each_message<R: Read + Seek>(
     Ok(())
 }
 
-/// A chunk's record as it lies in the file, and what its index says of it.
+/// A chunk's record as it lies in the file, or a message's outside chunks, and what is known of it.
 struct Packed {
     facts: ChunkFacts,
-    bytes: Vec<u8>,
+    bytes: Bytes,
 }
 
 /// Reads a chunk where its index says it is.
@@ -273,7 +274,7 @@ fn load<R: Read + Seek>(input: &mut R, facts: &ChunkFacts) -> Result<Packed, Eff
     // The index was found to lie within the file.
     let mut bytes = Vec::with_capacity(facts.length as usize);
     input.by_ref().take(facts.length).read_to_end(&mut bytes)?;
-    Ok(Packed { facts: facts.clone(), bytes })
+    Ok(Packed { facts: facts.clone(), bytes: bytes.into() })
 }
 
 impl Packed {
@@ -312,7 +313,15 @@ impl Packed {
         let Some((prefix, body)) = bytes.split_first_chunk::<{ record::PREFIX as usize }>() else {
             return Err(stray().into());
         };
-        let Ok(Record::Chunk(chunk)) = record::parse(prefix[0], body) else { return Err(stray().into()) };
+        let chunk = match record::parse(prefix[0], body) {
+            Ok(Record::Chunk(chunk)) => chunk,
+            Ok(Record::Message(message))
+                if *facts == ChunkFacts::of_message(facts.offset, bytes.len() as u64, &message) =>
+            {
+                return Ok(bytes.clone());
+            }
+            _ => return Err(stray().into()),
+        };
         let found = (chunk.start_time, chunk.end_time, chunk.uncompressed_size, chunk.data.len() as u64);
         let expected = (facts.start_time, facts.end_time, facts.uncompressed_size, facts.compressed_size);
         if found != expected || prefix[1..] != (body.len() as u64).to_le_bytes() {

@@ -129,8 +129,8 @@ fn message<R: Read + Seek, T>(
     at: Where,
     take: impl FnOnce(&[u8], Place<'_>) -> Result<T, EffError>,
 ) -> Result<T, EffError> {
-    let unpacked = inventory::chunk(input, at.chunk)?;
-    let place = crate::scan::at(at.chunk);
+    let unpacked = inventory::content(input, at.record)?;
+    let place = crate::scan::at(at.record.0);
     let body =
         records_in(&unpacked).flatten().find(|r| r.offset == at.within).map(|InChunk { body, .. }| body);
     match body.map(|body| record::parse(record::op::MESSAGE, body)) {

@@ -6,7 +6,7 @@ use crate::record::{self, Message, PREFIX, Record, op};
 use crate::scan::chunk::{InChunk, records_in, unpack};
 use crate::scan::data::{Data, named_again};
 use crate::scan::source::{Next, Source};
-use crate::scan::{Findings, Listener, at};
+use crate::scan::{Findings, Listener, at, broken};
 use crate::wire::edits::Edits;
 use crate::{Attachment, Code, EffError, Finding, check, decode};
 use std::collections::btree_map::Entry;
@@ -20,8 +20,8 @@ const DATA_END_BYTES: usize = 4;
 /// Where a message is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
-    /// Where its chunk is in the file.
-    pub chunk: u64,
+    /// Where its chunk begins in the file, or itself if it is in none, and the opcode that is there.
+    pub record: (u64, u8),
     /// Where it is in the unpacked chunk.
     pub within: u64,
 }
@@ -50,7 +50,9 @@ impl Inventory {
         let mut data = Data::new(&mut deaf);
         for (offset, opcode) in inventory.records(input)? {
             match opcode {
-                op::CHUNK => inventory.chunk(input, offset, &mut data)?,
+                op::CHUNK | op::SCHEMA | op::CHANNEL | op::MESSAGE => {
+                    inventory.content(input, (offset, opcode), &mut data)?;
+                }
                 op::ATTACHMENT => inventory.attachment(input, offset)?,
                 _ => {}
             }
@@ -101,15 +103,19 @@ impl Inventory {
         }
     }
 
-    fn chunk<R: Read + Seek>(
+    /// Takes what is in a chunk, or would be in one.
+    fn content<R: Read + Seek>(
         &mut self,
         input: &mut R,
-        offset: u64,
+        record: (u64, u8),
         data: &mut Data<'_>,
     ) -> Result<(), EffError> {
-        let unpacked = match chunk(input, offset) {
+        let (offset, opcode) = record;
+        let unpacked = match content(input, record) {
             Ok(unpacked) => unpacked,
-            Err(error) => return self.lose(format!("the chunk at byte {offset}"), error),
+            Err(error) => {
+                return self.lose(format!("the {} at byte {offset}", record::name(opcode)), error);
+            }
         };
         let mut findings = Findings::all();
         for InChunk { offset: within, opcode, body } in records_in(&unpacked).flatten() {
@@ -117,7 +123,7 @@ impl Inventory {
                 Ok(Record::Schema(schema)) => data.schema(schema, body, at(offset), &mut findings),
                 Ok(Record::Channel(channel)) => data.channel(&channel, body, at(offset), &mut findings),
                 Ok(Record::Message(message)) => {
-                    let place = Place { chunk: offset, within };
+                    let place = Place { record, within };
                     if let Some(stream) = data.stream(message.channel_id)
                         && let Err(finding) = self.message(stream, message, place)
                     {
@@ -149,7 +155,7 @@ impl Inventory {
 
     /// Keeps a message if it is sound and the first of its kind and index.
     fn message(&mut self, stream: &Stream, message: Message<'_>, place: Place) -> Result<(), Box<Finding>> {
-        let at = At { channel: None, time_ns: Some(message.log_time), offset: Some(place.chunk) };
+        let at = At { channel: None, time_ns: Some(message.log_time), offset: Some(place.record.0) };
         if stream.topic == topic::MANIFEST {
             let manifest = decode::manifest(message.data, stream.version, at).map_err(first)?;
             sound(|findings| check::manifest(&manifest, at, findings))?;
@@ -267,16 +273,25 @@ fn record_at<R: Read + Seek>(input: &mut R, offset: u64) -> Result<(u8, Vec<u8>)
     }
 }
 
-/// The records of the chunk at a place, unpacked, if its checksum holds.
-pub(super) fn chunk<R: Read + Seek>(input: &mut R, offset: u64) -> Result<Vec<u8>, EffError> {
+/// The records of the chunk at a place, unpacked, if its checksum holds; of another kind the record itself.
+pub(super) fn content<R: Read + Seek>(
+    input: &mut R,
+    (offset, expected): (u64, u8),
+) -> Result<Vec<u8>, EffError> {
     let (opcode, body) = record_at(input, offset)?;
-    let Ok(Record::Chunk(chunk)) = record::parse(opcode, &body) else {
-        return Err(at(offset).finding(Code::Record, "record", record::name(opcode), "a chunk").into());
+    let place = at(offset);
+    if opcode != expected {
+        let expected = format!("a {}", record::name(expected));
+        return Err(place.finding(Code::Record, "record", record::name(opcode), expected).into());
+    }
+    let chunk = match record::parse(opcode, &body).map_err(|short| broken(place, opcode, &body, short))? {
+        Record::Chunk(chunk) => chunk,
+        _ => return Ok([&[opcode][..], &(body.len() as u64).to_le_bytes(), &body].concat()),
     };
-    let unpacked = unpack(&chunk, at(offset))?;
+    let unpacked = unpack(&chunk, place)?;
     sound(|findings| {
         let computed = crc32fast::hash(&unpacked);
-        crate::scan::check_crc(Code::ChunkCrc, chunk.uncompressed_crc, computed, at(offset), findings);
+        crate::scan::check_crc(Code::ChunkCrc, chunk.uncompressed_crc, computed, place, findings);
     })?;
     Ok(unpacked)
 }

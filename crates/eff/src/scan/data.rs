@@ -310,11 +310,12 @@ impl<'v> Data<'v> {
         length: u64,
         findings: &mut Findings,
     ) {
+        let follows = self.chunks.last().is_some_and(|chunk| chunk.is_followed_by(offset, channel_id));
         match self.pending_indexes.remove(&channel_id) {
             _ if self.is_chunk_lost => self.count_lost(channel_id, entries),
             Some(expected) if expected == entries => {}
             // Some writers index every channel in every chunk.
-            None if entries.is_empty() => {}
+            None if entries.is_empty() && follows => {}
             Some(_) => {
                 let found = "other times or offsets";
                 findings.push(at(offset).finding(
