@@ -12,7 +12,7 @@ use crate::scan::facts::ChunkFacts;
 use crate::scan::{Findings, at, broken, check_crc};
 use crate::wire::proto::FieldStep;
 use crate::{Attachment, Code, EffError, check, decode};
-use index::Index;
+pub(crate) use index::Index;
 pub use part::Part;
 use prost::bytes::Bytes;
 use std::io::{Read, Seek, SeekFrom};
@@ -184,11 +184,6 @@ impl<R: Read + Seek> Reader<R> {
             Err(place.finding(Code::Count, "messages", found, expected).into())
         }
     }
-}
-
-/// Where a file's chunks and attachments begin, by its summary, and which of the two it is.
-pub(crate) fn indexed_records<R: Read + Seek>(input: &mut R) -> Result<Vec<(u64, u8)>, EffError> {
-    Ok(Index::read(input)?.records())
 }
 
 /// Makes steps of chunks, with nothing of the stream: several can be made side by side.

@@ -1,5 +1,6 @@
 mod bridge;
 mod inventory;
+mod thread;
 
 use crate::array::Encoding;
 use crate::finding::Place;

@@ -15,16 +15,19 @@ use std::io::{Read, Seek, SeekFrom};
 
 /// Where everything is in a file, as its summary says.
 #[derive(Debug)]
-pub(super) struct Index {
+pub(crate) struct Index {
     /// The version of all channels.
     pub version: u32,
     channels: BTreeMap<&'static str, u16>,
     n_messages: u64,
-    counts: BTreeMap<u16, u64>,
+    /// How many messages a channel has.
+    pub counts: BTreeMap<u16, u64>,
     /// In the file's order; a message outside chunks is one by itself.
     chunks: Vec<ChunkFacts>,
     /// Which chunks hold messages of a channel, in the file's order.
     by_channel: BTreeMap<u16, Vec<usize>>,
+    /// The records of schemas and channels, by opcode and content.
+    pub declarations: Vec<(u8, Vec<u8>)>,
     /// Where the attachments are.
     pub attachments: Vec<u64>,
     /// Whether there are channels for viewers.
@@ -46,7 +49,7 @@ impl Index {
     }
 
     /// Where all chunks and attachments begin, and which of the two it is.
-    pub fn records(&self) -> Vec<(u64, u8)> {
+    pub fn records(&self) -> BTreeSet<(u64, u8)> {
         let chunks = self.chunks.iter().map(|chunk| (chunk.offset, record::op::CHUNK));
         chunks.chain(self.attachments.iter().map(|offset| (*offset, record::op::ATTACHMENT))).collect()
     }
@@ -79,11 +82,14 @@ impl Index {
     }
 
     /// Reads a file's end: its footer and the summary before it.
-    fn read_end<R: Read + Seek>(input: &mut R) -> Result<Self, EffError> {
+    pub fn read_end<R: Read + Seek>(input: &mut R) -> Result<Self, EffError> {
         let length = input.seek(SeekFrom::End(0))?;
         let summary_start = read_footer(input, length)?;
         let summary = read_summary(input, summary_start, length)?;
-        let Channels { version, by_topic, has_preview } = check_channels(&summary)?;
+        let schemas = summary.schemas.into_values().map(|body| (record::op::SCHEMA, body));
+        let channels = summary.channels.into_values().map(|body| (record::op::CHANNEL, body));
+        let declarations: Vec<_> = schemas.chain(channels).collect();
+        let Channels { version, by_topic, has_preview } = check_channels(&declarations)?;
         let Some(statistics) = summary.statistics else {
             return Err(at(summary_start).finding(Code::Summary, "statistics", "none", "one record").into());
         };
@@ -99,6 +105,7 @@ impl Index {
             counts: statistics.channel_message_counts,
             by_channel: by_channel(&summary.chunks),
             chunks: summary.chunks,
+            declarations,
             attachments: summary.attachments.iter().map(|a| a.offset).collect(),
             has_preview,
         })
@@ -130,7 +137,9 @@ fn messages_outside_chunks<R: Read + Seek>(
         let (opcode, offset) = match source.next(&mut body)? {
             Next::Record { opcode, offset } => (opcode, offset),
             Next::End { offset, found } => {
-                return Err(at(offset).finding(Code::Cut, "record", found, "records up to a data end").into());
+                return Err(at(offset)
+                    .finding(Code::Cut, "record", found, "records up to a data end")
+                    .into());
             }
         };
         match record::parse(opcode, &body).map_err(|short| broken(at(offset), opcode, &body, short))? {
@@ -180,7 +189,7 @@ fn read_footer<R: Read + Seek>(input: &mut R, length: u64) -> Result<u64, EffErr
     if magic != MAGIC {
         return Err(cut(format!("an end in {}", magic.escape_ascii())).into());
     }
-    let body = &footer[record::PREFIX as usize..];
+    let body = &footer[PREFIX as usize..];
     match record::parse(footer[0], body) {
         Ok(Record::Footer { summary_start, .. }) if (8..=length - TAIL).contains(&summary_start) => {
             Ok(summary_start)
@@ -229,7 +238,7 @@ struct Channels {
 }
 
 /// The channels of the format, each as its version has it.
-fn check_channels(summary: &Summary) -> Result<Channels, EffError> {
+fn check_channels(declarations: &[(u8, Vec<u8>)]) -> Result<Channels, EffError> {
     struct Deaf;
     impl Listener for Deaf {
         fn manifest(&mut self, _manifest: &Manifest) -> Result<(), EffError> {
@@ -239,14 +248,8 @@ fn check_channels(summary: &Summary) -> Result<Channels, EffError> {
     let mut deaf = Deaf;
     let mut data = Data::new(&mut deaf);
     let mut findings = Findings::first_error();
-    let schemas = summary.schemas.values().map(|body| (record::op::SCHEMA, body));
-    let channels = summary.channels.values().map(|body| (record::op::CHANNEL, body));
-    for (opcode, body) in schemas.chain(channels) {
-        match record::parse(opcode, body) {
-            Ok(Record::Schema(schema)) => data.schema(schema, body, Default::default(), &mut findings),
-            Ok(Record::Channel(channel)) => data.channel(&channel, body, Default::default(), &mut findings),
-            _ => {}
-        }
+    for (opcode, body) in declarations {
+        data.declaration(*opcode, body, Place::default(), &mut findings);
     }
     fail(findings)?;
     let versions: BTreeSet<u32> = data.streams().map(|(_, stream)| stream.version).collect();

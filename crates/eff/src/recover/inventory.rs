@@ -1,8 +1,10 @@
 use super::Loss;
+use super::thread::Thread;
 use crate::finding::Place as At;
 use crate::format::{Stream, topic};
 use crate::manifest::Manifest;
-use crate::record::{self, Message, PREFIX, Record, op};
+use crate::reader::Index;
+use crate::record::{self, MAGIC, Message, PREFIX, Record, op};
 use crate::scan::chunk::{InChunk, records_in, unpack};
 use crate::scan::data::{Data, named_again};
 use crate::scan::source::{Next, Source};
@@ -13,9 +15,6 @@ use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Seek, SeekFrom};
 use tousle_core::Pose;
-
-/// What a data end holds: a checksum, and nothing else.
-const DATA_END_BYTES: usize = 4;
 
 /// Where a message is.
 #[derive(Clone, Copy, Debug)]
@@ -39,68 +38,57 @@ pub(super) struct Inventory {
     /// Whether there are channels for viewers.
     pub has_preview: bool,
     attachment_names: BTreeSet<String>,
+    /// How many messages were found, by channel.
+    n_messages: BTreeMap<u16, u64>,
     pub losses: Vec<Loss>,
 }
 
 impl Inventory {
     /// Goes through a file, whatever state it is in.
     pub fn take<R: Read + Seek>(input: &mut R) -> Result<Self, EffError> {
-        let mut inventory = Self::default();
+        let index = index(input)?;
+        let thread = Thread::follow(input, index.as_ref())?;
+        let mut inventory = Self { losses: thread.loss.into_iter().collect(), ..Self::default() };
         let mut deaf = Deaf;
         let mut data = Data::new(&mut deaf);
-        for (offset, opcode) in inventory.records(input)? {
-            match opcode {
-                op::CHUNK | op::SCHEMA | op::CHANNEL | op::MESSAGE => {
-                    inventory.content(input, (offset, opcode), &mut data)?;
+        for (opcode, body) in index.iter().flat_map(|index| &index.declarations) {
+            data.declaration(*opcode, body, At::default(), &mut Findings::all());
+        }
+        let mut n_outside = 0;
+        for record in thread.records {
+            match record.1 {
+                // The summary has all of them, with a checksum.
+                op::SCHEMA | op::CHANNEL if index.is_some() => {}
+                op::SCHEMA | op::CHANNEL | op::MESSAGE => {
+                    n_outside += 1;
+                    inventory.content(input, record, &mut data)?;
                 }
-                op::ATTACHMENT => inventory.attachment(input, offset)?,
-                _ => {}
+                op::CHUNK => inventory.content(input, record, &mut data)?,
+                op::ATTACHMENT => inventory.attachment(input, record.0)?,
+                op::HEADER if record.0 == MAGIC.len() as u64 => {}
+                op::MESSAGE_INDEX => {}
+                // The summary says what it was.
+                _ if index.is_some() => {}
+                _ => inventory.lose_stray(record),
             }
+        }
+        if n_outside > 0 && !thread.is_vouched_for {
+            let why = "whatever is whole by itself is kept, but no checksum says that it is as it was";
+            inventory
+                .losses
+                .push(Loss { what: format!("{n_outside} records outside chunks"), why: why.into() });
         }
         inventory.has_preview = data.has_preview();
         inventory.count();
+        if let Some(index) = &index {
+            inventory.count_messages(index, &data);
+        }
         Ok(inventory)
     }
 
     /// How many steps the samples have.
     pub fn n_samples(&self) -> u64 {
         self.samples.last_key_value().map_or(0, |(last, _)| last + 1)
-    }
-
-    /// Where the records of the data section begin, and of what kind they are.
-    ///
-    /// They are found one after the other. Where a record's length is damaged, or another one's opcode says that the
-    /// data end, that thread is lost; if the file's end is whole, its indexes take it up again.
-    fn records<R: Read + Seek>(&mut self, input: &mut R) -> Result<BTreeSet<(u64, u8)>, EffError> {
-        let length = input.seek(SeekFrom::End(0))?;
-        input.seek(SeekFrom::Start(8))?;
-        let mut records = BTreeSet::new();
-        let mut source = Source::new(input.by_ref());
-        let mut body = Vec::new();
-        loop {
-            match source.next(&mut body)? {
-                Next::Record { opcode: op::DATA_END, .. } if body.len() == DATA_END_BYTES => {
-                    return Ok(records);
-                }
-                Next::Record { opcode, offset } if (op::HEADER..op::DATA_END).contains(&opcode) => {
-                    records.insert((8 + offset, opcode));
-                }
-                Next::Record { opcode: op::PRIVATE.., .. } => {}
-                Next::Record { offset, .. } | Next::End { offset, .. } => {
-                    let lost = length.saturating_sub(8 + offset);
-                    if let Ok(indexed) = crate::reader::indexed_records(input) {
-                        records.extend(indexed);
-                    } else if lost > 0 {
-                        let what = format!("the last {lost} bytes of the file, from byte {}", 8 + offset);
-                        self.losses.push(Loss { what, why: "no whole record".into() });
-                    } else {
-                        let what = format!("what should follow byte {length}");
-                        self.losses.push(Loss { what, why: "the file was cut between two records".into() });
-                    }
-                    return Ok(records);
-                }
-            }
-        }
     }
 
     /// Takes what is in a chunk, or would be in one.
@@ -117,21 +105,17 @@ impl Inventory {
                 return self.lose(format!("the {} at byte {offset}", record::name(opcode)), error);
             }
         };
-        let mut findings = Findings::all();
         for InChunk { offset: within, opcode, body } in records_in(&unpacked).flatten() {
-            match record::parse(opcode, body) {
-                Ok(Record::Schema(schema)) => data.schema(schema, body, at(offset), &mut findings),
-                Ok(Record::Channel(channel)) => data.channel(&channel, body, at(offset), &mut findings),
-                Ok(Record::Message(message)) => {
-                    let place = Place { record, within };
-                    if let Some(stream) = data.stream(message.channel_id)
-                        && let Err(finding) = self.message(stream, message, place)
-                    {
-                        let what = format!("a message of {}", stream.topic);
-                        self.losses.push(Loss { what, why: finding.to_string() });
-                    }
-                }
-                _ => {}
+            let Ok(Record::Message(message)) = record::parse(opcode, body) else {
+                data.declaration(opcode, body, at(offset), &mut Findings::all());
+                continue;
+            };
+            *self.n_messages.entry(message.channel_id).or_default() += 1;
+            if let Some(stream) = data.stream(message.channel_id)
+                && let Err(finding) = self.message(stream, message, Place { record, within })
+            {
+                let what = format!("a message of {}", stream.topic);
+                self.losses.push(Loss { what, why: finding.to_string() });
             }
         }
         Ok(())
@@ -211,6 +195,31 @@ impl Inventory {
         }
     }
 
+    /// Compares what was found with what the summary counts, of channels of which the manifest says nothing.
+    fn count_messages(&mut self, index: &Index, data: &Data<'_>) {
+        let knows_steps = self.manifest.as_ref().is_some_and(|manifest| manifest.field.n_steps.is_some());
+        for (channel_id, expected) in &index.counts {
+            let found = self.n_messages.get(channel_id).copied().unwrap_or(0);
+            let topic = data.topic(*channel_id).unwrap_or_default();
+            let is_counted = match topic {
+                topic::POSE | topic::SAMPLES | topic::PREVIEW_HEAD | topic::PREVIEW_WIND => true,
+                topic::FIELD => knows_steps,
+                _ => false,
+            };
+            if found < *expected && !is_counted {
+                let what = format!("{} of {expected} messages of {topic}", expected - found);
+                self.losses.push(Loss { what, why: format!("{found} are whole") });
+            }
+        }
+    }
+
+    /// Notes that there is a record where none of its kind may be: it was another one.
+    fn lose_stray(&mut self, (offset, opcode): (u64, u8)) {
+        let found = record::name(opcode);
+        let why = at(offset).finding(Code::RecordOrder, "record", found, "a record of the data section");
+        self.losses.push(Loss { what: format!("the record at byte {offset}"), why: why.to_string() });
+    }
+
     /// Notes a loss; a stream that fails is none.
     fn lose(&mut self, what: String, error: EffError) -> Result<(), EffError> {
         match error {
@@ -220,6 +229,15 @@ impl Inventory {
             }
             other => Err(other),
         }
+    }
+}
+
+/// What a file's end says is where, if it is whole.
+fn index<R: Read + Seek>(input: &mut R) -> Result<Option<Index>, EffError> {
+    match Index::read_end(input) {
+        Ok(index) => Ok(Some(index)),
+        Err(EffError::Unsound(_)) => Ok(None),
+        Err(other) => Err(other),
     }
 }
 

@@ -50,6 +50,14 @@ impl<'v> Data<'v> {
         }
     }
 
+    /// The topic of a channel, if there is one of this id.
+    pub fn topic(&self, channel_id: u16) -> Option<&str> {
+        match record::parse(record::op::CHANNEL, self.channels.get(&channel_id)?) {
+            Ok(Record::Channel(channel)) => Some(channel.topic),
+            _ => None,
+        }
+    }
+
     /// What a channel is to the format; `None` if nothing.
     pub fn stream(&self, channel_id: u16) -> Option<&'static Stream> {
         self.known_channels.get(&channel_id).copied().flatten()
@@ -155,6 +163,15 @@ impl<'v> Data<'v> {
             findings.push(place.finding(Code::RecordOrder, "record", record::name(opcode), expected));
         }
         self.is_empty = false;
+    }
+
+    /// Takes a schema or a channel in, by the content of its record.
+    pub fn declaration(&mut self, opcode: u8, body: &[u8], place: Place<'_>, findings: &mut Findings) {
+        match record::parse(opcode, body) {
+            Ok(Record::Schema(schema)) => self.schema(schema, body, place, findings),
+            Ok(Record::Channel(channel)) => self.channel(&channel, body, place, findings),
+            _ => {}
+        }
     }
 
     pub fn schema(&mut self, schema: Schema<'_>, body: &[u8], place: Place<'_>, findings: &mut Findings) {

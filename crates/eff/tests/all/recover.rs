@@ -213,6 +213,77 @@ fn an_end_in_the_middle_is_none() {
     assert_eq!(content(&out), small());
 }
 
+/// An attachment whose opcode became another one, that of a private record too.
+#[test]
+fn an_attachment_that_is_none_any_more_is_named() {
+    let sound = small_file();
+    let at = forge::record(&sound, 0x09, 0).offset;
+    for bit in 0..8 {
+        let mut bytes = sound.clone();
+        bytes[at] ^= 1 << bit;
+        let (recovery, out) = saved(&bytes).unwrap();
+        assert!(content(&out).attachments.is_empty());
+        assert_eq!(recovery.losses.len(), 1, "{bit} {:?}", recovery.losses);
+        assert_eq!(recovery.losses[0].what, format!("the attachment at byte {at}"));
+        // Without the summary nobody knows what it was.
+        if let Some((recovery, _)) = saved(&bytes[..bytes.len() - 1]).filter(|_| bit < 7) {
+            assert!(!recovery.is_complete(), "{bit}");
+        }
+    }
+}
+
+/// A header of which any bit is another: the file's end says where all else is.
+#[test]
+fn without_a_header_all_is_saved() {
+    let sound = small_file();
+    for at in 0..forge::record(&sound, 0x01, 0).end() {
+        let mut bytes = sound.clone();
+        bytes[at] ^= 1 << (at % 8);
+        let (recovery, out) = saved(&bytes).unwrap();
+        assert!(recovery.is_complete(), "{at} {:?}", recovery.losses);
+        assert!(out == sound, "{at}");
+    }
+}
+
+/// A file whose records are all outside chunks.
+fn outside_chunks() -> (Pieces, Vec<u8>) {
+    let mut forged = pieces(&small_file());
+    forged.options = forged.options.clone().use_chunks(false);
+    let bytes = forged.forge();
+    (forged, bytes)
+}
+
+/// Of a message outside chunks there is no checksum of its own: in a damaged file it may be another one.
+#[test]
+fn what_nothing_vouches_for_is_named() {
+    let (forged, sound) = outside_chunks();
+    assert!(saved(&sound).unwrap().0.is_complete());
+    let first_step = forged.chunks.iter().flatten().position(|p| p.channel_id == FIELD).unwrap();
+    let step = forge::record(&sound, 0x05, first_step + 2);
+    // A number in it, and its length.
+    for at in [step.end() - 200, step.offset + 3] {
+        let mut bytes = sound.clone();
+        bytes[at] ^= 0x10;
+        let (recovery, _) = saved(&bytes).unwrap();
+        let n = forge::records(&sound).into_iter().filter(|at| at.opcode == 0x05).count();
+        let named = |what: &str| recovery.losses.iter().any(|loss| loss.what == what);
+        assert!(named(&format!("{n} records outside chunks")) || named("3 of 5 steps of the field"), "{at}");
+    }
+}
+
+/// The edits' channel is another by a bit; the summary has it whole.
+#[test]
+fn edits_whose_channel_is_damaged_are_saved_or_named() {
+    let (_, mut bytes) = outside_chunks();
+    let at = bytes.windows(14).position(|bytes| bytes == b"\x0a\0\0\0/eff/edits").unwrap();
+    bytes[at + 10] ^= 1;
+    assert_eq!(content(&saved(&bytes).unwrap().1), small());
+    bytes.pop();
+    let (recovery, out) = saved(&bytes).unwrap();
+    assert!(content(&out).field.layers.is_empty());
+    assert!(!recovery.is_complete());
+}
+
 /// Samples come among the steps: wherever a long file is cut, it has whole steps and the samples of their times.
 #[test]
 fn a_file_cut_in_its_first_tenth_has_steps_and_their_samples() {
