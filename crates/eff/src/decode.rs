@@ -8,6 +8,7 @@ use crate::manifest::{FieldInfo, Manifest};
 use crate::wire::edits::{DIRECTING, Edits};
 use crate::wire::proto::{FieldStep, PoseStep, SampleStep};
 use crate::wire::tags::{self, BadField, Fields};
+use crate::wire::unique::Unique;
 use crate::wire::v0::{self, FieldStepV0, ManifestV0, PoseStepV0};
 use crate::wire::{proto, scene};
 use crate::{Code, Finding, check};
@@ -68,8 +69,9 @@ fn by_schema<T: DeserializeOwned>(
 ) -> Result<T, Vec<Finding>> {
     let violations = json_schema::violations(value, schema);
     if violations.is_empty() {
-        // The payload and not the value: a member that is there twice is seen in the payload only.
-        return from_json(payload, place).map_err(|f| vec![*f]);
+        // In the value a member that is there twice is there once.
+        let unique: Result<Unique, _> = from_json(payload, place);
+        return unique.and_then(|Unique| from_json(payload, place)).map_err(|f| vec![*f]);
     }
     let finding = |v: json_schema::Violation| *place.finding(Code::JsonSchema, v.path, v.found, v.expected);
     Err(violations.into_iter().map(finding).collect())
@@ -115,7 +117,9 @@ pub(crate) fn samples(payload: &[u8], place: Place<'_>) -> Result<(Stamp, Vec<Wi
         ));
     }
     let column = |array: Option<proto::Array>, planes, what| {
-        array::unpack(&array.unwrap_or_default(), Shape::list(planes, n), place, what)
+        let array = array.unwrap_or_default();
+        check::encoding(&array, &[proto::Encoding::F32], place, what)?;
+        array::unpack(&array, Shape::list(planes, n), place, what)
     };
     if n == 0 {
         return Ok((Stamp { index: message.index, time_ns: message.time_ns }, Vec::new()));
@@ -176,7 +180,7 @@ pub(crate) fn unpack_step(
     let n = dims.iter().product();
     let u = message.u.unwrap_or_default();
     let mut findings = Vec::new();
-    findings.extend(check::encoding(&u, info, place).err().map(|f| *f));
+    findings.extend(check::encodings(&u, message.sd.as_ref(), info, place).err().map(|f| *f));
     let u = array::unpack(&u, Shape { planes: 3, dims }, place, "u")
         .and_then(|u| check::finite(&u, "u", place).map(|()| u));
     let flags = flags(&message.flags, n, place);
