@@ -2,7 +2,7 @@
 
 use crate::array::{self, Shape};
 use crate::finding::Place;
-use crate::format::{EDITS_SCHEMA, FORMAT, MANIFEST_SCHEMA, MANIFEST_SCHEMA_V0, VERSION};
+use crate::format::{EDITS_SCHEMA, FORMAT, MANIFEST_SCHEMA, MANIFEST_SCHEMA_V0, Stream, VERSION, topic};
 use crate::json_schema;
 use crate::manifest::{FieldInfo, Manifest};
 use crate::wire::edits::{DIRECTING, Edits};
@@ -80,6 +80,19 @@ fn by_schema<T: DeserializeOwned>(
 /// One of our own schemas.
 fn json_of(schema: &[u8]) -> Value {
     serde_json::from_slice(schema).expect("a test keeps the schemas current")
+}
+
+/// Whether a message has fields that are other people's, and skipped.
+pub(crate) fn has_extensions(stream: &Stream, payload: &[u8]) -> bool {
+    let fields = match (stream.version, stream.topic) {
+        (0, topic::POSE) => &v0::POSE_STEP,
+        (0, topic::FIELD) => &v0::FIELD_STEP,
+        (_, topic::POSE) => &tags::POSE_STEP,
+        (_, topic::SAMPLES) => &tags::SAMPLE_STEP,
+        (_, topic::FIELD) => &tags::FIELD_STEP,
+        _ => return false,
+    };
+    tags::check(payload, fields) == Ok(true)
 }
 
 /// Decodes a pose.

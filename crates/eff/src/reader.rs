@@ -122,7 +122,8 @@ impl<R: Read + Seek> Reader<R> {
     /// # Errors
     /// [`EffError::Unsound`] if one is not sound, [`EffError::Io`] if the stream fails.
     pub fn attachments(&mut self) -> Result<Vec<Attachment>, EffError> {
-        self.index.attachments.iter().map(|offset| attachment_at(&mut self.input, *offset)).collect()
+        let attachments = self.index.attachments.iter();
+        attachments.map(|offset| Ok(attachment_at(&mut self.input, *offset)?.0)).collect()
     }
 
     /// Reads all poses.

@@ -20,6 +20,8 @@ pub(crate) struct Index {
     pub version: u32,
     channels: BTreeMap<&'static str, u16>,
     n_messages: u64,
+    /// How many records are metadata.
+    pub n_metadata: u64,
     /// How many messages a channel has.
     pub counts: BTreeMap<u16, u64>,
     /// In the file's order; a message outside chunks is one by itself.
@@ -102,6 +104,7 @@ impl Index {
             version,
             channels: by_topic,
             n_messages: statistics.message_count,
+            n_metadata: statistics.metadata_count.into(),
             counts: statistics.channel_message_counts,
             by_channel: by_channel(&summary.chunks),
             chunks: summary.chunks,

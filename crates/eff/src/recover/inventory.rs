@@ -1,4 +1,5 @@
 use super::Loss;
+use super::foreign::Foreign;
 use super::thread::Thread;
 use crate::finding::Place as At;
 use crate::format::{Stream, topic};
@@ -37,9 +38,17 @@ pub(super) struct Inventory {
     pub attachments: Vec<u64>,
     /// Whether there are channels for viewers.
     pub has_preview: bool,
+    /// What other programs have in the file.
+    pub foreign: Foreign,
     attachment_names: BTreeSet<String>,
     /// How many messages were found, by channel.
     n_messages: BTreeMap<u16, u64>,
+    /// How many messages of a topic have fields that are skipped.
+    n_extended: BTreeMap<&'static str, u64>,
+    /// How many messages are of channels that nobody knows.
+    n_stray: u64,
+    /// How many records have no checksum but that of all data.
+    n_outside: u64,
     pub losses: Vec<Loss>,
 }
 
@@ -54,36 +63,49 @@ impl Inventory {
         for (opcode, body) in index.iter().flat_map(|index| &index.declarations) {
             data.declaration(*opcode, body, At::default(), &mut Findings::all());
         }
-        let mut n_outside = 0;
-        for record in thread.records {
-            match record.1 {
-                // The summary has all of them, with a checksum.
-                op::SCHEMA | op::CHANNEL if index.is_some() => {}
-                op::SCHEMA | op::CHANNEL | op::MESSAGE => {
-                    n_outside += 1;
-                    inventory.content(input, record, &mut data)?;
-                }
-                op::CHUNK => inventory.content(input, record, &mut data)?,
-                op::ATTACHMENT => inventory.attachment(input, record.0)?,
-                op::HEADER if record.0 == MAGIC.len() as u64 => {}
-                op::MESSAGE_INDEX => {}
-                // The summary says what it was.
-                _ if index.is_some() => {}
-                _ => inventory.lose_stray(record),
-            }
-        }
-        if n_outside > 0 && !thread.is_vouched_for {
-            let why = "whatever is whole by itself is kept, but no checksum says that it is as it was";
-            inventory
-                .losses
-                .push(Loss { what: format!("{n_outside} records outside chunks"), why: why.into() });
+        for record in &thread.records {
+            inventory.record(input, *record, index.is_some(), &mut data)?;
         }
         inventory.has_preview = data.has_preview();
+        if !thread.is_vouched_for {
+            inventory.doubt();
+        }
+        inventory.foreign.declare(&data, &mut inventory.losses);
+        inventory.lose_what_is_left_out(&data);
         inventory.count();
         if let Some(index) = &index {
-            inventory.count_messages(index, &data);
+            inventory.count_by(index, &data);
         }
         Ok(inventory)
+    }
+
+    /// Takes a record of the data section in. The summary, if there is one, tells better what was declared, and what a
+    /// record was that may not be there.
+    fn record<R: Read + Seek>(
+        &mut self,
+        input: &mut R,
+        record: (u64, u8),
+        has_summary: bool,
+        data: &mut Data<'_>,
+    ) -> Result<(), EffError> {
+        match record.1 {
+            op::SCHEMA | op::CHANNEL if has_summary => {}
+            op::SCHEMA | op::CHANNEL | op::MESSAGE => {
+                self.n_outside += 1;
+                self.content(input, record, data)?;
+            }
+            op::CHUNK => self.content(input, record, data)?,
+            op::ATTACHMENT => self.attachment(input, record.0)?,
+            op::METADATA | op::PRIVATE.. => {
+                self.n_outside += 1;
+                self.foreign_record(input, record)?;
+            }
+            op::HEADER if record.0 == MAGIC.len() as u64 => {}
+            op::MESSAGE_INDEX => {}
+            _ if has_summary => {}
+            _ => self.lose_stray(record),
+        }
+        Ok(())
     }
 
     /// How many steps the samples have.
@@ -111,19 +133,45 @@ impl Inventory {
                 continue;
             };
             *self.n_messages.entry(message.channel_id).or_default() += 1;
-            if let Some(stream) = data.stream(message.channel_id)
-                && let Err(finding) = self.message(stream, message, Place { record, within })
-            {
-                let what = format!("a message of {}", stream.topic);
-                self.losses.push(Loss { what, why: finding.to_string() });
+            match data.stream(message.channel_id) {
+                Some(stream) => self.ours(stream, message, Place { record, within }),
+                None if data.is_foreign(message.channel_id) => {
+                    self.foreign.messages.insert(record);
+                }
+                None => self.n_stray += u64::from(!data.is_of_preview(message.channel_id)),
             }
         }
         Ok(())
     }
 
+    /// Keeps a message of ours, or says why not.
+    fn ours(&mut self, stream: &'static Stream, message: Message<'_>, place: Place) {
+        match self.message(stream, message, place) {
+            Ok(()) if decode::has_extensions(stream, message.data) => {
+                *self.n_extended.entry(stream.topic).or_default() += 1;
+            }
+            Ok(()) => {}
+            Err(finding) => {
+                let what = format!("a message of {}", stream.topic);
+                self.losses.push(Loss { what, why: finding.to_string() });
+            }
+        }
+    }
+
+    /// Keeps metadata or a private record if it is sound.
+    fn foreign_record<R: Read + Seek>(&mut self, input: &mut R, record: (u64, u8)) -> Result<(), EffError> {
+        match content(input, record) {
+            Ok(_) => {
+                self.foreign.records.insert(record);
+                Ok(())
+            }
+            Err(error) => self.lose(format!("the {} at byte {}", record::name(record.1), record.0), error),
+        }
+    }
+
     /// Keeps an attachment if it is sound and the first of its name.
     fn attachment<R: Read + Seek>(&mut self, input: &mut R, offset: u64) -> Result<(), EffError> {
-        let first_of_name = attachment_at(input, offset).and_then(|Attachment { name, .. }| {
+        let first_of_name = attachment_at(input, offset).and_then(|(Attachment { name, .. }, _)| {
             let again = self.attachment_names.contains(&name).then(|| named_again(&name, at(offset)));
             again.map_or(Ok(name), |finding| Err(finding.into()))
         });
@@ -195,12 +243,17 @@ impl Inventory {
         }
     }
 
-    /// Compares what was found with what the summary counts, of channels of which the manifest says nothing.
-    fn count_messages(&mut self, index: &Index, data: &Data<'_>) {
+    /// Compares what was found with what the summary counts and the manifest does not.
+    fn count_by(&mut self, index: &Index, data: &Data<'_>) {
+        let n_metadata = self.foreign.n_metadata();
+        if n_metadata < index.n_metadata {
+            let what = format!("{} of {} metadata records", index.n_metadata - n_metadata, index.n_metadata);
+            self.losses.push(Loss { what, why: format!("{n_metadata} are whole") });
+        }
         let knows_steps = self.manifest.as_ref().is_some_and(|manifest| manifest.field.n_steps.is_some());
         for (channel_id, expected) in &index.counts {
             let found = self.n_messages.get(channel_id).copied().unwrap_or(0);
-            let topic = data.topic(*channel_id).unwrap_or_default();
+            let topic = data.declared(*channel_id).map_or("a channel that is not there", |c| c.topic);
             let is_counted = match topic {
                 topic::POSE | topic::SAMPLES | topic::PREVIEW_HEAD | topic::PREVIEW_WIND => true,
                 topic::FIELD => knows_steps,
@@ -210,6 +263,34 @@ impl Inventory {
                 let what = format!("{} of {expected} messages of {topic}", expected - found);
                 self.losses.push(Loss { what, why: format!("{found} are whole") });
             }
+        }
+    }
+
+    /// Notes what may be another than it was: the checksum of all data does not hold, and it has no other.
+    fn doubt(&mut self) {
+        if self.n_outside > 0 {
+            let what = format!("{} records outside chunks", self.n_outside);
+            let why = "what is whole by itself is kept, but no checksum says that it is what it was".into();
+            self.losses.push(Loss { what, why });
+        }
+        self.foreign.drop_private(&mut self.losses);
+    }
+
+    /// Notes what is whole and is not written again.
+    fn lose_what_is_left_out(&mut self, data: &Data<'_>) {
+        for (topic, n) in std::mem::take(&mut self.n_extended) {
+            let what = format!("fields from number 1000 on, in {n} messages of {topic}");
+            self.losses.push(Loss { what, why: "fields of the format are written, no others".into() });
+        }
+        for (id, stream) in data.streams() {
+            if data.declared(id).is_some_and(|channel| !channel.metadata.is_empty()) {
+                let what = format!("metadata of the channel {}", stream.topic);
+                self.losses.push(Loss { what, why: "the channels of the format are written without".into() });
+            }
+        }
+        if self.n_stray > 0 {
+            let why = "their channels are not there, or of topics that the format does not have".into();
+            self.losses.push(Loss { what: format!("{} messages", self.n_stray), why });
         }
     }
 
@@ -280,7 +361,7 @@ pub(super) fn first(findings: Vec<Finding>) -> Box<Finding> {
 }
 
 /// Reads the record at a place.
-fn record_at<R: Read + Seek>(input: &mut R, offset: u64) -> Result<(u8, Vec<u8>), EffError> {
+pub(super) fn record_at<R: Read + Seek>(input: &mut R, offset: u64) -> Result<(u8, Vec<u8>), EffError> {
     input.seek(SeekFrom::Start(offset))?;
     let mut body = Vec::new();
     match Source::new(input).next(&mut body)? {
@@ -314,12 +395,16 @@ pub(super) fn content<R: Read + Seek>(
     Ok(unpacked)
 }
 
-/// The attachment at a place, if its checksum holds.
-pub(crate) fn attachment_at<R: Read + Seek>(input: &mut R, offset: u64) -> Result<Attachment, EffError> {
+/// The attachment at a place, if its checksum holds, and when it was logged and made, ns.
+pub(crate) fn attachment_at<R: Read + Seek>(
+    input: &mut R,
+    offset: u64,
+) -> Result<(Attachment, [u64; 2]), EffError> {
     let (opcode, body) = record_at(input, offset)?;
     let Ok(Record::Attachment(a)) = record::parse(opcode, &body) else {
         return Err(at(offset).finding(Code::Record, "record", record::name(opcode), "an attachment").into());
     };
     sound(|f| crate::scan::check_crc(Code::AttachmentCrc, a.crc, a.computed_crc, at(offset), f))?;
-    Ok(Attachment { name: a.name.to_owned(), media_type: a.media_type.to_owned(), bytes: a.data.to_vec() })
+    let (name, media_type) = (a.name.to_owned(), a.media_type.to_owned());
+    Ok((Attachment { name, media_type, bytes: a.data.to_vec() }, [a.log_time, a.create_time]))
 }

@@ -55,10 +55,9 @@ impl Thread {
                     self.is_vouched_for = start == 0 && body == source.crc_before().to_le_bytes();
                     return Ok(None);
                 }
-                Next::Record { opcode, offset } if (op::HEADER..op::DATA_END).contains(&opcode) => {
+                Next::Record { opcode: opcode @ (op::HEADER..op::DATA_END | op::PRIVATE..), offset } => {
                     self.records.insert((start + offset, opcode));
                 }
-                Next::Record { opcode: op::PRIVATE.., .. } => {}
                 Next::Record { offset, .. } | Next::End { offset, .. } => return Ok(Some(start + offset)),
             }
         }
