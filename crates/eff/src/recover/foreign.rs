@@ -68,11 +68,11 @@ impl Foreign {
                 }
             }
         }
-        for (offset, _) in &self.records {
-            let (opcode, body) = record_at(input, *offset)?;
-            match record::parse(opcode, &body) {
+        for place in &self.records {
+            let body = record_at(input, *place)?;
+            match record::parse(place.1, &body) {
                 Ok(Record::Metadata { name, metadata }) => writer.metadata(name, &metadata)?,
-                _ => writer.private_record(opcode, &body)?,
+                _ => writer.private_record(place.1, &body)?,
             }
         }
         Ok(())

@@ -360,37 +360,43 @@ pub(super) fn first(findings: Vec<Finding>) -> Box<Finding> {
     finding.unwrap_or_else(|| At::default().finding(Code::Record, "message", "something wrong", "nothing"))
 }
 
-/// Reads the record at a place.
-pub(super) fn record_at<R: Read + Seek>(input: &mut R, offset: u64) -> Result<(u8, Vec<u8>), EffError> {
-    input.seek(SeekFrom::Start(offset))?;
-    let mut body = Vec::new();
-    match Source::new(input).next(&mut body)? {
-        Next::Record { opcode, .. } => Ok((opcode, body)),
-        Next::End { found, .. } => Err(at(offset)
-            .finding(Code::Cut, "record", found, format!("a record of {PREFIX} bytes or more"))
-            .into()),
-    }
-}
-
-/// The records of the chunk at a place, unpacked, if its checksum holds; of another kind the record itself.
-pub(super) fn content<R: Read + Seek>(
+/// Reads the content of the record at a place, if it is of the kind that it should be.
+pub(super) fn record_at<R: Read + Seek>(
     input: &mut R,
     (offset, expected): (u64, u8),
 ) -> Result<Vec<u8>, EffError> {
-    let (opcode, body) = record_at(input, offset)?;
+    input.seek(SeekFrom::Start(offset))?;
+    let mut body = Vec::new();
     let place = at(offset);
-    if opcode != expected {
-        let expected = format!("a {}", record::name(expected));
-        return Err(place.finding(Code::Record, "record", record::name(opcode), expected).into());
+    match Source::new(input).next(&mut body)? {
+        Next::Record { opcode, .. } if opcode == expected => Ok(body),
+        Next::Record { opcode, .. } => {
+            let (found, expected) = (record::name(opcode), record::name(expected));
+            Err(place.finding(Code::Record, "record", found, expected).into())
+        }
+        Next::End { found, .. } => {
+            let expected = format!("a record of {PREFIX} bytes or more");
+            Err(place.finding(Code::Cut, "record", found, expected).into())
+        }
     }
-    let chunk = match record::parse(opcode, &body).map_err(|short| broken(place, opcode, &body, short))? {
-        Record::Chunk(chunk) => chunk,
-        _ => return Ok([&[opcode][..], &(body.len() as u64).to_le_bytes(), &body].concat()),
+}
+
+/// What a record holds.
+fn parsed(opcode: u8, body: &[u8], offset: u64) -> Result<Record<'_>, Box<Finding>> {
+    record::parse(opcode, body).map_err(|short| broken(at(offset), opcode, body, short))
+}
+
+/// The records of the chunk at a place, unpacked, if its checksum holds; of another kind the record itself.
+pub(super) fn content<R: Read + Seek>(input: &mut R, record: (u64, u8)) -> Result<Vec<u8>, EffError> {
+    let (offset, opcode) = record;
+    let body = record_at(input, record)?;
+    let Record::Chunk(chunk) = parsed(opcode, &body, offset)? else {
+        return Ok([&[opcode][..], &(body.len() as u64).to_le_bytes(), &body].concat());
     };
-    let unpacked = unpack(&chunk, place)?;
+    let unpacked = unpack(&chunk, at(offset))?;
     sound(|findings| {
         let computed = crc32fast::hash(&unpacked);
-        crate::scan::check_crc(Code::ChunkCrc, chunk.uncompressed_crc, computed, place, findings);
+        crate::scan::check_crc(Code::ChunkCrc, chunk.uncompressed_crc, computed, at(offset), findings);
     })?;
     Ok(unpacked)
 }
@@ -400,9 +406,9 @@ pub(crate) fn attachment_at<R: Read + Seek>(
     input: &mut R,
     offset: u64,
 ) -> Result<(Attachment, [u64; 2]), EffError> {
-    let (opcode, body) = record_at(input, offset)?;
-    let Ok(Record::Attachment(a)) = record::parse(opcode, &body) else {
-        return Err(at(offset).finding(Code::Record, "record", record::name(opcode), "an attachment").into());
+    let body = record_at(input, (offset, op::ATTACHMENT))?;
+    let Record::Attachment(a) = parsed(op::ATTACHMENT, &body, offset)? else {
+        return Err(at(offset).finding(Code::Record, "record", "another", "attachment").into());
     };
     sound(|f| crate::scan::check_crc(Code::AttachmentCrc, a.crc, a.computed_crc, at(offset), f))?;
     let (name, media_type) = (a.name.to_owned(), a.media_type.to_owned());
