@@ -69,9 +69,11 @@ pub enum Command {
     Import(ImportArgs),
     /// Put several captures of one wig together into one richer field.
     Merge(MergeArgs),
-    /// Save the whole steps of a field file that was cut or damaged; what follows inserted or deleted bytes is lost.
+    /// Save the whole steps of a field file that was cut or damaged, with what other programs put into it; all that is lost
+    /// is named. What follows inserted or deleted bytes is lost.
     Recover(RecoverArgs),
-    /// Write a field file of any version again in the newest one; nothing is lost.
+    /// Write a field file of any version again in the newest one, with what other programs put into it; the little that
+    /// cannot be copied is named.
     Migrate(MigrateArgs),
     /// Do all of it on an embedded capture and show it on one page.
     Demo(DemoArgs),

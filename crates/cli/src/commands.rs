@@ -22,7 +22,7 @@ use output::{check_output, check_outputs, ending};
 use serde::Serialize;
 use std::path::Path;
 use tousle_core::Groom;
-use tousle_eff::{Eff, EffError, Encoding, ReadOptions, WriteOptions, WriteReport};
+use tousle_eff::{Eff, EffError, Encoding, Loss, ReadOptions, WriteOptions, WriteReport};
 use tousle_field::{GridSpec, Scene};
 use tousle_groom::{GroomOptions, GroomReadError, HeadShape, Placement, ReadGroom};
 use tousle_ingest::IngestOptions;
@@ -57,6 +57,13 @@ fn unusable(error: EffError, path: &Path) -> anyhow::Error {
         "cannot use the field {} (`tousle validate` lists all that is wrong)",
         path.display()
     ))
+}
+
+/// Says on stderr what is not in a field that was written again.
+fn say_losses(losses: &[Loss]) {
+    for loss in losses {
+        eprintln!("loss: {}: {}", loss.what, loss.why);
+    }
 }
 
 /// Reads a groom; what it leaves out or changes is said on stderr.

@@ -317,6 +317,9 @@ fn an_old_field_becomes_a_new_one() {
     let run = room.run(&format!("migrate {old} -o new.eff.mcap")).ended(0);
     assert!(run.out.contains("from version 0 to 1"), "{}", run.out);
     room.run("validate new.eff.mcap").ended(0);
+    let extended = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/eff/v1/good/extended.eff.mcap");
+    let run = room.run(&format!("migrate {extended} -o new.eff.mcap")).ended(3);
+    assert!(run.err.starts_with("loss: fields from number 1000 on"), "{}", run.err);
 }
 
 /// The editor's window is a program of its own; where it is not built, one is told how to.

@@ -161,25 +161,49 @@ fn is_covariance([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> bool {
     determinant >= -1e-6 * trace * trace * trace
 }
 
-/// Checks that vectors are packed as the manifest says, or without loss.
-pub(crate) fn encoding(array: &proto::Array, info: &FieldInfo, place: Place<'_>) -> Result<(), Box<Finding>> {
+/// Checks that a step's arrays are packed as the manifest says, or without loss. Where it speaks of another kind, all
+/// of them are packed otherwise: the first says it.
+pub(crate) fn encodings(
+    u: &proto::Array,
+    sd: Option<&proto::Array>,
+    info: &FieldInfo,
+    place: Place<'_>,
+) -> Result<(), Box<Finding>> {
     use proto::Encoding as E;
-    let kind = info.encoding.kind;
-    let is_allowed = match E::try_from(array.encoding) {
-        Ok(E::F16) => kind == EncodingName::F16,
-        Ok(E::Fixed16 | E::Fixed32) => kind == EncodingName::Fixed,
-        // No loss is always allowed; of an encoding that nobody knows unpacking speaks.
-        Ok(E::F32 | E::Unspecified) | Err(_) => true,
+    let (vectors, deviations): (&[E], &[E]) = match info.encoding.kind {
+        EncodingName::F32 => (&[E::F32], &[E::F32]),
+        EncodingName::F16 => (&[E::F32, E::F16], &[E::F32, E::F16]),
+        EncodingName::Fixed => (&[E::F32, E::Fixed16, E::Fixed32], &[E::F32, E::F16]),
     };
-    if !is_allowed {
-        let expected = format!("{kind:?} as the manifest states, or F32");
-        return Err(place.finding(Code::Encoding, "u.encoding", array.encoding, expected));
-    }
-    let is_fixed = matches!(E::try_from(array.encoding), Ok(E::Fixed16 | E::Fixed32));
+    encoding(u, vectors, place, "u")?;
     let most = 2.0 * info.encoding.max_absolute_error;
-    if is_fixed && array.quantum > most {
+    if u.quantum > most {
         let expected = format!("at most {most}, twice the manifest's error bound");
-        return Err(place.finding(Code::Encoding, "u.quantum", array.quantum, expected));
+        return Err(place.finding(Code::Encoding, "u.quantum", u.quantum, expected));
+    }
+    sd.map_or(Ok(()), |sd| encoding(sd, deviations, place, "sd"))
+}
+
+/// Checks that an array is packed in a way that it may be, and has no quantum where it needs none. Of an encoding that
+/// nobody knows and of a quantum that is none unpacking speaks.
+pub(crate) fn encoding(
+    array: &proto::Array,
+    allowed: &[proto::Encoding],
+    place: Place<'_>,
+    what: &str,
+) -> Result<(), Box<Finding>> {
+    use proto::Encoding as E;
+    let found = match E::try_from(array.encoding) {
+        Ok(E::Unspecified) | Err(_) => return Ok(()),
+        Ok(found) => found,
+    };
+    if !allowed.contains(&found) {
+        let found = format!("{found:?}");
+        let expected = allowed.iter().map(|e| format!("{e:?}")).collect::<Vec<_>>().join(" or ");
+        return Err(place.finding(Code::Encoding, format!("{what}.encoding"), found, expected));
+    }
+    if matches!(found, E::F32 | E::F16) && array.quantum != 0.0 {
+        return Err(place.finding(Code::Encoding, format!("{what}.quantum"), array.quantum, "0"));
     }
     Ok(())
 }

@@ -2,12 +2,13 @@
 
 use crate::array::{self, Shape};
 use crate::finding::Place;
-use crate::format::{EDITS_SCHEMA, FORMAT, MANIFEST_SCHEMA, MANIFEST_SCHEMA_V0, VERSION};
+use crate::format::{EDITS_SCHEMA, FORMAT, MANIFEST_SCHEMA, MANIFEST_SCHEMA_V0, Stream, VERSION, topic};
 use crate::json_schema;
 use crate::manifest::{FieldInfo, Manifest};
 use crate::wire::edits::{DIRECTING, Edits};
 use crate::wire::proto::{FieldStep, PoseStep, SampleStep};
 use crate::wire::tags::{self, BadField, Fields};
+use crate::wire::unique::Unique;
 use crate::wire::v0::{self, FieldStepV0, ManifestV0, PoseStepV0};
 use crate::wire::{proto, scene};
 use crate::{Code, Finding, check};
@@ -68,8 +69,9 @@ fn by_schema<T: DeserializeOwned>(
 ) -> Result<T, Vec<Finding>> {
     let violations = json_schema::violations(value, schema);
     if violations.is_empty() {
-        // The payload and not the value: a member that is there twice is seen in the payload only.
-        return from_json(payload, place).map_err(|f| vec![*f]);
+        // In the value a member that is there twice is there once.
+        let unique: Result<Unique, _> = from_json(payload, place);
+        return unique.and_then(|Unique| from_json(payload, place)).map_err(|f| vec![*f]);
     }
     let finding = |v: json_schema::Violation| *place.finding(Code::JsonSchema, v.path, v.found, v.expected);
     Err(violations.into_iter().map(finding).collect())
@@ -78,6 +80,19 @@ fn by_schema<T: DeserializeOwned>(
 /// One of our own schemas.
 fn json_of(schema: &[u8]) -> Value {
     serde_json::from_slice(schema).expect("a test keeps the schemas current")
+}
+
+/// Whether a message has fields that are other people's, and skipped.
+pub(crate) fn has_extensions(stream: &Stream, payload: &[u8]) -> bool {
+    let fields = match (stream.version, stream.topic) {
+        (0, topic::POSE) => &v0::POSE_STEP,
+        (0, topic::FIELD) => &v0::FIELD_STEP,
+        (_, topic::POSE) => &tags::POSE_STEP,
+        (_, topic::SAMPLES) => &tags::SAMPLE_STEP,
+        (_, topic::FIELD) => &tags::FIELD_STEP,
+        _ => return false,
+    };
+    tags::check(payload, fields) == Ok(true)
 }
 
 /// Decodes a pose.
@@ -115,7 +130,9 @@ pub(crate) fn samples(payload: &[u8], place: Place<'_>) -> Result<(Stamp, Vec<Wi
         ));
     }
     let column = |array: Option<proto::Array>, planes, what| {
-        array::unpack(&array.unwrap_or_default(), Shape::list(planes, n), place, what)
+        let array = array.unwrap_or_default();
+        check::encoding(&array, &[proto::Encoding::F32], place, what)?;
+        array::unpack(&array, Shape::list(planes, n), place, what)
     };
     if n == 0 {
         return Ok((Stamp { index: message.index, time_ns: message.time_ns }, Vec::new()));
@@ -176,7 +193,7 @@ pub(crate) fn unpack_step(
     let n = dims.iter().product();
     let u = message.u.unwrap_or_default();
     let mut findings = Vec::new();
-    findings.extend(check::encoding(&u, info, place).err().map(|f| *f));
+    findings.extend(check::encodings(&u, message.sd.as_ref(), info, place).err().map(|f| *f));
     let u = array::unpack(&u, Shape { planes: 3, dims }, place, "u")
         .and_then(|u| check::finite(&u, "u", place).map(|()| u));
     let flags = flags(&message.flags, n, place);

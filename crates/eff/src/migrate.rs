@@ -1,24 +1,34 @@
 use crate::manifest::Manifest;
 use crate::scan::{Findings, Listener, scan};
-use crate::{EffError, VERSION, WriteReport, recover};
+use crate::{EffError, Loss, Recovery, VERSION, WriteReport, recover};
 use serde::Serialize;
 use std::io::{Read, Seek, SeekFrom, Write};
 use tousle_core::Progress;
 
 /// What a migration did.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Migration {
     /// The version the file had.
     pub from: u32,
     /// The version it has now.
     pub to: u32,
+    /// What could not be copied.
+    pub losses: Vec<Loss>,
     /// What was written.
     pub written: WriteReport,
 }
 
-/// Writes a sound file of any version again in the newest one. Packed numbers are copied, so nothing is lost, and
-/// previews are made anew.
+impl Migration {
+    /// Whether all that the old file held is in the new one.
+    pub fn is_complete(&self) -> bool {
+        self.losses.is_empty()
+    }
+}
+
+/// Writes a sound file of any version again in the newest one. Packed numbers are copied, so the field is what it was,
+/// and so is what other programs put into the file; what cannot be copied is named, as by [`recover()`]. Previews are
+/// made anew.
 ///
 /// # Errors
 /// [`EffError::Unsound`] if the file is not sound: then [`recover()`] is what is wanted;
@@ -36,8 +46,8 @@ pub fn migrate<R: Read + Seek, W: Write>(
         return Err(Box::new(finding).into());
     }
     // Of a sound file everything is recovered, and what is written is always of the newest version.
-    let recovery = recover(input, out, progress)?;
-    Ok(Migration { from: version.0, to: VERSION, written: recovery.written })
+    let Recovery { losses, written, .. } = recover(input, out, progress)?;
+    Ok(Migration { from: version.0, to: VERSION, losses, written })
 }
 
 /// Listens for the version only.

@@ -12,7 +12,7 @@ use crate::scan::facts::ChunkFacts;
 use crate::scan::{Findings, at, broken, check_crc};
 use crate::wire::proto::FieldStep;
 use crate::{Attachment, Code, EffError, check, decode};
-use index::Index;
+pub(crate) use index::Index;
 pub use part::Part;
 use prost::bytes::Bytes;
 use std::io::{Read, Seek, SeekFrom};
@@ -22,7 +22,8 @@ use tousle_field::{Field, FieldLayer, Scene};
 /// Reads single steps of a field file, holding one of them at a time.
 ///
 /// It finds its way by the summary at the file's end and reads nothing that it was not asked for; what it reads
-/// it checks as [`crate::read()`] does, by the checksums of the summary and of each chunk.
+/// it checks as [`crate::read()`] does, by the checksums of the summary and of each chunk. A file with messages outside
+/// chunks is gone through once as it is opened: these are in no index, and only the checksum of all data is of them.
 #[derive(Debug)]
 pub struct Reader<R> {
     input: R,
@@ -121,7 +122,8 @@ impl<R: Read + Seek> Reader<R> {
     /// # Errors
     /// [`EffError::Unsound`] if one is not sound, [`EffError::Io`] if the stream fails.
     pub fn attachments(&mut self) -> Result<Vec<Attachment>, EffError> {
-        self.index.attachments.iter().map(|offset| attachment_at(&mut self.input, *offset)).collect()
+        let attachments = self.index.attachments.iter();
+        attachments.map(|offset| Ok(attachment_at(&mut self.input, *offset)?.0)).collect()
     }
 
     /// Reads all poses.
@@ -183,11 +185,6 @@ impl<R: Read + Seek> Reader<R> {
             Err(place.finding(Code::Count, "messages", found, expected).into())
         }
     }
-}
-
-/// Where a file's chunks and attachments begin, by its summary, and which of the two it is.
-pub(crate) fn indexed_records<R: Read + Seek>(input: &mut R) -> Result<Vec<(u64, u8)>, EffError> {
-    Ok(Index::read(input)?.records())
 }
 
 /// Makes steps of chunks, with nothing of the stream: several can be made side by side.
@@ -261,10 +258,10 @@ fn each_message<R: Read + Seek>(
     Ok(())
 }
 
-/// A chunk's record as it lies in the file, and what its index says of it.
+/// A chunk's record as it lies in the file, or a message's outside chunks, and what is known of it.
 struct Packed {
     facts: ChunkFacts,
-    bytes: Vec<u8>,
+    bytes: Bytes,
 }
 
 /// Reads a chunk where its index says it is.
@@ -273,7 +270,7 @@ fn load<R: Read + Seek>(input: &mut R, facts: &ChunkFacts) -> Result<Packed, Eff
     // The index was found to lie within the file.
     let mut bytes = Vec::with_capacity(facts.length as usize);
     input.by_ref().take(facts.length).read_to_end(&mut bytes)?;
-    Ok(Packed { facts: facts.clone(), bytes })
+    Ok(Packed { facts: facts.clone(), bytes: bytes.into() })
 }
 
 impl Packed {
@@ -312,7 +309,15 @@ impl Packed {
         let Some((prefix, body)) = bytes.split_first_chunk::<{ record::PREFIX as usize }>() else {
             return Err(stray().into());
         };
-        let Ok(Record::Chunk(chunk)) = record::parse(prefix[0], body) else { return Err(stray().into()) };
+        let chunk = match record::parse(prefix[0], body) {
+            Ok(Record::Chunk(chunk)) => chunk,
+            Ok(Record::Message(message))
+                if *facts == ChunkFacts::of_message(facts.offset, bytes.len() as u64, &message) =>
+            {
+                return Ok(bytes.clone());
+            }
+            _ => return Err(stray().into()),
+        };
         let found = (chunk.start_time, chunk.end_time, chunk.uncompressed_size, chunk.data.len() as u64);
         let expected = (facts.start_time, facts.end_time, facts.uncompressed_size, facts.compressed_size);
         if found != expected || prefix[1..] != (body.len() as u64).to_le_bytes() {

@@ -77,7 +77,7 @@ pub(crate) enum Record<'a> {
     Attachment(Attachment<'a>),
     AttachmentIndex(AttachmentIndex<'a>),
     Statistics(Statistics),
-    Metadata { name: &'a str },
+    Metadata { name: &'a str, metadata: BTreeMap<&'a str, &'a str> },
     MetadataIndex { name: &'a str },
     SummaryOffset { group_opcode: u8, group_start: u64, group_length: u64 },
     DataEnd { data_section_crc: u32 },
@@ -200,8 +200,8 @@ pub(crate) fn parse(opcode: u8, body: &[u8]) -> Result<Record<'_>, Short> {
         op::STATISTICS => statistics(&mut c)?,
         op::METADATA => {
             let name = c.text("name")?;
-            c.map("metadata", |c| c.text("key"), |c| c.text("value"))?;
-            Record::Metadata { name }
+            let metadata = c.map("metadata", |c| c.text("key"), |c| c.text("value"))?;
+            Record::Metadata { name, metadata }
         }
         op::METADATA_INDEX => {
             c.u64("offset")?;

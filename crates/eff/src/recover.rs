@@ -1,5 +1,7 @@
 mod bridge;
+mod foreign;
 mod inventory;
+mod thread;
 
 use crate::array::Encoding;
 use crate::finding::Place;
@@ -54,7 +56,9 @@ impl Recovery {
 /// Writes a sound file of all that is whole in a damaged one: cut, or hit in the middle.
 ///
 /// The packed numbers of whole steps are copied as they are, so nothing is lost twice. One step at a time is in
-/// memory. Previews, if there are channels of any, are made anew. A file that is whole is written again, with nothing lost.
+/// memory. Previews, if there are channels of any, are made anew. A file that is whole is written again, with what
+/// other programs put into it: their topics, metadata and private records. Of what has its place in messages and
+/// channels of the format (fields from number 1000 on, metadata of channels) all that is left out is named.
 ///
 /// # Errors
 /// [`EffError::Unsound`] if there is no sound manifest or no whole step, so that nothing can be saved;
@@ -76,7 +80,8 @@ pub fn recover<R: Read + Seek, W: Write>(
     let edits = found.edits.take().unwrap_or(Edits { layers: Vec::new() });
     let mut writer = Writer::begin(out, manifest, &edits, &poses, found.has_preview)?;
     for &offset in &found.attachments {
-        writer.attachment(&attachment_at(&mut input, offset)?)?;
+        let (attachment, times) = attachment_at(&mut input, offset)?;
+        writer.dated_attachment(&attachment, times)?;
     }
     let n_steps = last - first + 1;
     let mut bridged = Vec::new();
@@ -94,6 +99,7 @@ pub fn recover<R: Read + Seek, W: Write>(
             bridged.push(k);
         }
     }
+    found.foreign.copy(&mut input, &mut writer)?;
     progress.at(n_steps, n_steps);
     let (written, _) = writer.finish()?;
     Ok(Recovery {
@@ -129,8 +135,8 @@ fn message<R: Read + Seek, T>(
     at: Where,
     take: impl FnOnce(&[u8], Place<'_>) -> Result<T, EffError>,
 ) -> Result<T, EffError> {
-    let unpacked = inventory::chunk(input, at.chunk)?;
-    let place = crate::scan::at(at.chunk);
+    let unpacked = inventory::content(input, at.record)?;
+    let place = crate::scan::at(at.record.0);
     let body =
         records_in(&unpacked).flatten().find(|r| r.offset == at.within).map(|InChunk { body, .. }| body);
     match body.map(|body| record::parse(record::op::MESSAGE, body)) {

@@ -8,4 +8,5 @@ pub(crate) mod manifest;
 pub(crate) mod proto;
 pub(crate) mod scene;
 pub(crate) mod tags;
+pub(crate) mod unique;
 pub(crate) mod v0;

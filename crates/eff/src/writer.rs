@@ -1,14 +1,15 @@
+mod along;
 pub(crate) mod head;
 mod samples;
 
 use crate::array::{self, Encoding, Shape};
 use crate::finding::Place;
-use crate::format::{MAX_CHUNK, PROFILE, STREAMS, Stream, time_ns, topic};
+use crate::format::{PROFILE, STREAMS, Stream, time_ns, topic};
 use crate::manifest::Manifest;
 use crate::preview::{PREVIEWS, Preview};
 use crate::wire::edits::Edits;
 use crate::wire::proto;
-use crate::{Attachment, Eff, EffError, check, decode, reader};
+use crate::{Eff, EffError, check, decode, reader};
 pub use head::Head;
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
@@ -323,26 +324,6 @@ impl<W: Write> Writer<W> {
         self.close_chunk()
     }
 
-    /// Writes a file into the file.
-    ///
-    /// # Errors
-    /// [`EffError`] if the stream fails or there is one of this name.
-    pub fn attachment(&mut self, attachment: &Attachment) -> Result<(), EffError> {
-        if !self.attachment_names.insert(attachment.name.clone()) {
-            let found = format!("{:?} again", attachment.name);
-            return Err(EffError::bad("attachment.name", found, "each name once"));
-        }
-        self.close_chunk()?;
-        self.mcap().attach(&mcap::Attachment {
-            log_time: 0,
-            create_time: 0,
-            name: attachment.name.clone(),
-            media_type: attachment.media_type.clone(),
-            data: Cow::Borrowed(&attachment.bytes),
-        })?;
-        Ok(())
-    }
-
     /// Ends the file; gives what was written, and the stream.
     ///
     /// # Errors
@@ -371,23 +352,11 @@ impl<W: Write> Writer<W> {
     }
 
     fn message(&mut self, topic: &str, log_time: u64, payload: &[u8]) -> Result<(), EffError> {
-        if self.n_open + payload.len() > SHARED_CHUNK {
-            self.close_chunk()?;
-        }
-        if payload.len() as u64 + 1024 > MAX_CHUNK {
-            return Err(EffError::bad(
-                topic,
-                format!("a message of {} bytes", payload.len()),
-                "a smaller one",
-            ));
-        }
         let channel_id = channel_id(topic);
         let count = self.counts.entry(channel_id).or_default();
         let header = MessageHeader { channel_id, sequence: *count as u32, log_time, publish_time: log_time };
         *count += 1;
-        self.n_open += payload.len();
-        self.mcap().write_to_known_channel(&header, payload)?;
-        Ok(())
+        self.put(&header, payload)
     }
 
     /// Ends the chunk that is open, so that all written so far survives whatever comes.

@@ -1,4 +1,4 @@
-use super::{check_output, print_json, read_file};
+use super::{check_output, print_json, read_file, say_losses};
 use crate::args::MigrateArgs;
 use crate::ui::Outcome;
 use std::io::Cursor;
@@ -17,5 +17,6 @@ pub fn run(args: &MigrateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         sayln!("from version {} to {}", migration.from, migration.to);
         sayln!("wrote {}", args.output.display());
     }
-    Ok(Outcome::Fine)
+    say_losses(&migration.losses);
+    Ok(if migration.is_complete() { Outcome::Fine } else { Outcome::WithLoss })
 }

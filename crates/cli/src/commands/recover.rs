@@ -1,4 +1,4 @@
-use super::{check_output, print_json, read_file};
+use super::{check_output, print_json, read_file, say_losses};
 use crate::args::RecoverArgs;
 use crate::ui::Outcome;
 use std::io::Cursor;
@@ -18,8 +18,6 @@ pub fn run(args: &RecoverArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         sayln!("saved {}{expected} steps, {} of them bridged", recovery.n_steps, recovery.bridged.len());
         sayln!("wrote {}", args.output.display());
     }
-    for loss in &recovery.losses {
-        eprintln!("loss: {}: {}", loss.what, loss.why);
-    }
+    say_losses(&recovery.losses);
     Ok(if recovery.is_complete() { Outcome::Fine } else { Outcome::WithLoss })
 }

@@ -4,7 +4,7 @@ use crate::EffError;
 use crate::finding::Place;
 use crate::format::PROFILE;
 use crate::manifest::Manifest;
-use crate::record::{self, FOOTER, MAGIC, Record};
+use crate::record::{self, FOOTER, MAGIC, PREFIX, Record};
 use crate::scan::data::{Data, quoted};
 use crate::scan::facts::ChunkFacts;
 use crate::scan::source::{Next, Source};
@@ -15,14 +15,21 @@ use std::io::{Read, Seek, SeekFrom};
 
 /// Where everything is in a file, as its summary says.
 #[derive(Debug)]
-pub(super) struct Index {
+pub(crate) struct Index {
     /// The version of all channels.
     pub version: u32,
     channels: BTreeMap<&'static str, u16>,
-    counts: BTreeMap<u16, u64>,
+    n_messages: u64,
+    /// How many records are metadata.
+    pub n_metadata: u64,
+    /// How many messages a channel has.
+    pub counts: BTreeMap<u16, u64>,
+    /// In the file's order; a message outside chunks is one by itself.
     chunks: Vec<ChunkFacts>,
     /// Which chunks hold messages of a channel, in the file's order.
     by_channel: BTreeMap<u16, Vec<usize>>,
+    /// The records of schemas and channels, by opcode and content.
+    pub declarations: Vec<(u8, Vec<u8>)>,
     /// Where the attachments are.
     pub attachments: Vec<u64>,
     /// Whether there are channels for viewers.
@@ -44,30 +51,47 @@ impl Index {
     }
 
     /// Where all chunks and attachments begin, and which of the two it is.
-    pub fn records(&self) -> Vec<(u64, u8)> {
+    pub fn records(&self) -> BTreeSet<(u64, u8)> {
         let chunks = self.chunks.iter().map(|chunk| (chunk.offset, record::op::CHUNK));
         chunks.chain(self.attachments.iter().map(|offset| (*offset, record::op::ATTACHMENT))).collect()
     }
 
     /// The chunks that hold messages of a channel at times from `first` to `last`, in the file's order.
     ///
-    /// A channel's messages come in the order of their times, and so do their chunks: nothing before the first
-    /// chunk that ends late enough and nothing after the last that begins early enough is looked at.
+    /// A channel's messages come in the order of their times: nothing before a chunk that ends too early and nothing
+    /// after one that begins too late is looked at. What other channels have in a chunk may make it longer.
     pub fn chunks_within(&self, channel_id: u16, first: u64, last: u64) -> impl Iterator<Item = &ChunkFacts> {
         let chunks = self.by_channel.get(&channel_id).map_or(&[][..], Vec::as_slice);
         let start = chunks.partition_point(|k| self.chunks[*k].end_time < first);
         let chunks = chunks[start..].iter().map(|k| &self.chunks[*k]);
-        chunks.take_while(move |chunk| chunk.start_time <= last)
+        chunks.take_while(move |chunk| chunk.start_time <= last).filter(move |chunk| first <= chunk.end_time)
     }
 
-    /// Reads a file's ends: its header, its footer and the summary before it.
+    /// Reads a file's ends: its header, its footer and the summary before it. If messages are outside chunks all of it
+    /// is read, as no index says where they are.
     pub fn read<R: Read + Seek>(input: &mut R) -> Result<Self, EffError> {
-        let length = input.seek(SeekFrom::End(0))?;
         input.seek(SeekFrom::Start(0))?;
         check_header(input)?;
+        let mut index = Self::read_end(input)?;
+        let counts = index.chunks.iter().flat_map(ChunkFacts::message_counts);
+        if counts.fold(0, |sum: u64, (_, n)| sum.saturating_add(n)) < index.n_messages {
+            let known: BTreeSet<u16> = index.channels.values().copied().collect();
+            index.chunks.extend(messages_outside_chunks(input, &known)?);
+            index.chunks.sort_by_key(|chunk| chunk.offset);
+            index.by_channel = by_channel(&index.chunks);
+        }
+        Ok(index)
+    }
+
+    /// Reads a file's end: its footer and the summary before it.
+    pub fn read_end<R: Read + Seek>(input: &mut R) -> Result<Self, EffError> {
+        let length = input.seek(SeekFrom::End(0))?;
         let summary_start = read_footer(input, length)?;
         let summary = read_summary(input, summary_start, length)?;
-        let Channels { version, by_topic, has_preview } = check_channels(&summary)?;
+        let schemas = summary.schemas.into_values().map(|body| (record::op::SCHEMA, body));
+        let channels = summary.channels.into_values().map(|body| (record::op::CHANNEL, body));
+        let declarations: Vec<_> = schemas.chain(channels).collect();
+        let Channels { version, by_topic, has_preview } = check_channels(&declarations)?;
         let Some(statistics) = summary.statistics else {
             return Err(at(summary_start).finding(Code::Summary, "statistics", "none", "one record").into());
         };
@@ -76,21 +100,62 @@ impl Index {
             let expected = format!("chunks within the file's {length} bytes");
             return Err(at(summary_start).finding(Code::Summary, "chunk index", found, expected).into());
         }
-        let mut by_channel: BTreeMap<u16, Vec<usize>> = BTreeMap::new();
-        for (k, chunk) in summary.chunks.iter().enumerate() {
-            for channel_id in chunk.message_index_offsets.keys() {
-                by_channel.entry(*channel_id).or_default().push(k);
-            }
-        }
         Ok(Self {
             version,
             channels: by_topic,
+            n_messages: statistics.message_count,
+            n_metadata: statistics.metadata_count.into(),
             counts: statistics.channel_message_counts,
+            by_channel: by_channel(&summary.chunks),
             chunks: summary.chunks,
-            by_channel,
+            declarations,
             attachments: summary.attachments.iter().map(|a| a.offset).collect(),
             has_preview,
         })
+    }
+}
+
+/// Which chunks hold messages of a channel: some writers index all channels in each.
+fn by_channel(chunks: &[ChunkFacts]) -> BTreeMap<u16, Vec<usize>> {
+    let mut by_channel: BTreeMap<u16, Vec<usize>> = BTreeMap::new();
+    for (k, chunk) in chunks.iter().enumerate() {
+        for (channel_id, _) in chunk.message_counts().filter(|(_, n)| *n > 0) {
+            by_channel.entry(channel_id).or_default().push(k);
+        }
+    }
+    by_channel
+}
+
+/// The messages of some channels that are outside chunks. No checksum but the data section's is of them.
+fn messages_outside_chunks<R: Read + Seek>(
+    input: &mut R,
+    channel_ids: &BTreeSet<u16>,
+) -> Result<Vec<ChunkFacts>, EffError> {
+    input.seek(SeekFrom::Start(0))?;
+    let mut source = Source::new(input);
+    source.fill(&mut [0; MAGIC.len()])?;
+    let mut messages = Vec::new();
+    let mut body = Vec::new();
+    loop {
+        let (opcode, offset) = match source.next(&mut body)? {
+            Next::Record { opcode, offset } => (opcode, offset),
+            Next::End { offset, found } => {
+                return Err(at(offset)
+                    .finding(Code::Cut, "record", found, "records up to a data end")
+                    .into());
+            }
+        };
+        match record::parse(opcode, &body).map_err(|short| broken(at(offset), opcode, &body, short))? {
+            Record::Message(message) if channel_ids.contains(&message.channel_id) => {
+                messages.push(ChunkFacts::of_message(offset, PREFIX + body.len() as u64, &message));
+            }
+            Record::DataEnd { data_section_crc } => {
+                let mut findings = Findings::first_error();
+                check_crc(Code::DataCrc, data_section_crc, source.crc_before(), at(offset), &mut findings);
+                return fail(findings).map(|()| messages);
+            }
+            _ => {}
+        }
     }
 }
 
@@ -127,7 +192,7 @@ fn read_footer<R: Read + Seek>(input: &mut R, length: u64) -> Result<u64, EffErr
     if magic != MAGIC {
         return Err(cut(format!("an end in {}", magic.escape_ascii())).into());
     }
-    let body = &footer[record::PREFIX as usize..];
+    let body = &footer[PREFIX as usize..];
     match record::parse(footer[0], body) {
         Ok(Record::Footer { summary_start, .. }) if (8..=length - TAIL).contains(&summary_start) => {
             Ok(summary_start)
@@ -176,7 +241,7 @@ struct Channels {
 }
 
 /// The channels of the format, each as its version has it.
-fn check_channels(summary: &Summary) -> Result<Channels, EffError> {
+fn check_channels(declarations: &[(u8, Vec<u8>)]) -> Result<Channels, EffError> {
     struct Deaf;
     impl Listener for Deaf {
         fn manifest(&mut self, _manifest: &Manifest) -> Result<(), EffError> {
@@ -186,14 +251,8 @@ fn check_channels(summary: &Summary) -> Result<Channels, EffError> {
     let mut deaf = Deaf;
     let mut data = Data::new(&mut deaf);
     let mut findings = Findings::first_error();
-    let schemas = summary.schemas.values().map(|body| (record::op::SCHEMA, body));
-    let channels = summary.channels.values().map(|body| (record::op::CHANNEL, body));
-    for (opcode, body) in schemas.chain(channels) {
-        match record::parse(opcode, body) {
-            Ok(Record::Schema(schema)) => data.schema(schema, body, Default::default(), &mut findings),
-            Ok(Record::Channel(channel)) => data.channel(&channel, body, Default::default(), &mut findings),
-            _ => {}
-        }
+    for (opcode, body) in declarations {
+        data.declaration(*opcode, body, Place::default(), &mut findings);
     }
     fail(findings)?;
     let versions: BTreeSet<u32> = data.streams().map(|(_, stream)| stream.version).collect();

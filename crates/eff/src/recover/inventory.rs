@@ -1,12 +1,15 @@
 use super::Loss;
+use super::foreign::Foreign;
+use super::thread::Thread;
 use crate::finding::Place as At;
 use crate::format::{Stream, topic};
 use crate::manifest::Manifest;
-use crate::record::{self, Message, PREFIX, Record, op};
+use crate::reader::Index;
+use crate::record::{self, MAGIC, Message, PREFIX, Record, op};
 use crate::scan::chunk::{InChunk, records_in, unpack};
 use crate::scan::data::{Data, named_again};
 use crate::scan::source::{Next, Source};
-use crate::scan::{Findings, Listener, at};
+use crate::scan::{Findings, Listener, at, broken};
 use crate::wire::edits::Edits;
 use crate::{Attachment, Code, EffError, Finding, check, decode};
 use std::collections::btree_map::Entry;
@@ -14,14 +17,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Seek, SeekFrom};
 use tousle_core::Pose;
 
-/// What a data end holds: a checksum, and nothing else.
-const DATA_END_BYTES: usize = 4;
-
 /// Where a message is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
-    /// Where its chunk is in the file.
-    pub chunk: u64,
+    /// Where its chunk begins in the file, or itself if it is in none, and the opcode that is there.
+    pub record: (u64, u8),
     /// Where it is in the unpacked chunk.
     pub within: u64,
 }
@@ -38,26 +38,74 @@ pub(super) struct Inventory {
     pub attachments: Vec<u64>,
     /// Whether there are channels for viewers.
     pub has_preview: bool,
+    /// What other programs have in the file.
+    pub foreign: Foreign,
     attachment_names: BTreeSet<String>,
+    /// How many messages were found, by channel.
+    n_messages: BTreeMap<u16, u64>,
+    /// How many messages of a topic have fields that are skipped.
+    n_extended: BTreeMap<&'static str, u64>,
+    /// How many messages are of channels that nobody knows.
+    n_stray: u64,
+    /// How many records have no checksum but that of all data.
+    n_outside: u64,
     pub losses: Vec<Loss>,
 }
 
 impl Inventory {
     /// Goes through a file, whatever state it is in.
     pub fn take<R: Read + Seek>(input: &mut R) -> Result<Self, EffError> {
-        let mut inventory = Self::default();
+        let index = index(input)?;
+        let thread = Thread::follow(input, index.as_ref())?;
+        let mut inventory = Self { losses: thread.loss.into_iter().collect(), ..Self::default() };
         let mut deaf = Deaf;
         let mut data = Data::new(&mut deaf);
-        for (offset, opcode) in inventory.records(input)? {
-            match opcode {
-                op::CHUNK => inventory.chunk(input, offset, &mut data)?,
-                op::ATTACHMENT => inventory.attachment(input, offset)?,
-                _ => {}
-            }
+        for (opcode, body) in index.iter().flat_map(|index| &index.declarations) {
+            data.declaration(*opcode, body, At::default(), &mut Findings::all());
+        }
+        for record in &thread.records {
+            inventory.record(input, *record, index.is_some(), &mut data)?;
         }
         inventory.has_preview = data.has_preview();
+        if !thread.is_vouched_for {
+            inventory.doubt();
+        }
+        inventory.foreign.declare(&data, &mut inventory.losses);
+        inventory.lose_what_is_left_out(&data);
         inventory.count();
+        if let Some(index) = &index {
+            inventory.count_by(index, &data);
+        }
         Ok(inventory)
+    }
+
+    /// Takes a record of the data section in. The summary, if there is one, tells better what was declared, and what a
+    /// record was that may not be there.
+    fn record<R: Read + Seek>(
+        &mut self,
+        input: &mut R,
+        record: (u64, u8),
+        has_summary: bool,
+        data: &mut Data<'_>,
+    ) -> Result<(), EffError> {
+        match record.1 {
+            op::SCHEMA | op::CHANNEL if has_summary => {}
+            op::SCHEMA | op::CHANNEL | op::MESSAGE => {
+                self.n_outside += 1;
+                self.content(input, record, data)?;
+            }
+            op::CHUNK => self.content(input, record, data)?,
+            op::ATTACHMENT => self.attachment(input, record.0)?,
+            op::METADATA | op::PRIVATE.. => {
+                self.n_outside += 1;
+                self.foreign_record(input, record)?;
+            }
+            op::HEADER if record.0 == MAGIC.len() as u64 => {}
+            op::MESSAGE_INDEX => {}
+            _ if has_summary => {}
+            _ => self.lose_stray(record),
+        }
+        Ok(())
     }
 
     /// How many steps the samples have.
@@ -65,75 +113,65 @@ impl Inventory {
         self.samples.last_key_value().map_or(0, |(last, _)| last + 1)
     }
 
-    /// Where the records of the data section begin, and of what kind they are.
-    ///
-    /// They are found one after the other. Where a record's length is damaged, or another one's opcode says that the
-    /// data end, that thread is lost; if the file's end is whole, its indexes take it up again.
-    fn records<R: Read + Seek>(&mut self, input: &mut R) -> Result<BTreeSet<(u64, u8)>, EffError> {
-        let length = input.seek(SeekFrom::End(0))?;
-        input.seek(SeekFrom::Start(8))?;
-        let mut records = BTreeSet::new();
-        let mut source = Source::new(input.by_ref());
-        let mut body = Vec::new();
-        loop {
-            match source.next(&mut body)? {
-                Next::Record { opcode: op::DATA_END, .. } if body.len() == DATA_END_BYTES => {
-                    return Ok(records);
-                }
-                Next::Record { opcode, offset } if (op::HEADER..op::DATA_END).contains(&opcode) => {
-                    records.insert((8 + offset, opcode));
-                }
-                Next::Record { opcode: op::PRIVATE.., .. } => {}
-                Next::Record { offset, .. } | Next::End { offset, .. } => {
-                    let lost = length.saturating_sub(8 + offset);
-                    if let Ok(indexed) = crate::reader::indexed_records(input) {
-                        records.extend(indexed);
-                    } else if lost > 0 {
-                        let what = format!("the last {lost} bytes of the file, from byte {}", 8 + offset);
-                        self.losses.push(Loss { what, why: "no whole record".into() });
-                    } else {
-                        let what = format!("what should follow byte {length}");
-                        self.losses.push(Loss { what, why: "the file was cut between two records".into() });
-                    }
-                    return Ok(records);
-                }
-            }
-        }
-    }
-
-    fn chunk<R: Read + Seek>(
+    /// Takes what is in a chunk, or would be in one.
+    fn content<R: Read + Seek>(
         &mut self,
         input: &mut R,
-        offset: u64,
+        record: (u64, u8),
         data: &mut Data<'_>,
     ) -> Result<(), EffError> {
-        let unpacked = match chunk(input, offset) {
+        let (offset, opcode) = record;
+        let unpacked = match content(input, record) {
             Ok(unpacked) => unpacked,
-            Err(error) => return self.lose(format!("the chunk at byte {offset}"), error),
+            Err(error) => {
+                return self.lose(format!("the {} at byte {offset}", record::name(opcode)), error);
+            }
         };
-        let mut findings = Findings::all();
         for InChunk { offset: within, opcode, body } in records_in(&unpacked).flatten() {
-            match record::parse(opcode, body) {
-                Ok(Record::Schema(schema)) => data.schema(schema, body, at(offset), &mut findings),
-                Ok(Record::Channel(channel)) => data.channel(&channel, body, at(offset), &mut findings),
-                Ok(Record::Message(message)) => {
-                    let place = Place { chunk: offset, within };
-                    if let Some(stream) = data.stream(message.channel_id)
-                        && let Err(finding) = self.message(stream, message, place)
-                    {
-                        let what = format!("a message of {}", stream.topic);
-                        self.losses.push(Loss { what, why: finding.to_string() });
-                    }
+            let Ok(Record::Message(message)) = record::parse(opcode, body) else {
+                data.declaration(opcode, body, at(offset), &mut Findings::all());
+                continue;
+            };
+            *self.n_messages.entry(message.channel_id).or_default() += 1;
+            match data.stream(message.channel_id) {
+                Some(stream) => self.ours(stream, message, Place { record, within }),
+                None if data.is_foreign(message.channel_id) => {
+                    self.foreign.messages.insert(record);
                 }
-                _ => {}
+                None => self.n_stray += u64::from(!data.is_of_preview(message.channel_id)),
             }
         }
         Ok(())
     }
 
+    /// Keeps a message of ours, or says why not.
+    fn ours(&mut self, stream: &'static Stream, message: Message<'_>, place: Place) {
+        match self.message(stream, message, place) {
+            Ok(()) if decode::has_extensions(stream, message.data) => {
+                *self.n_extended.entry(stream.topic).or_default() += 1;
+            }
+            Ok(()) => {}
+            Err(finding) => {
+                let what = format!("a message of {}", stream.topic);
+                self.losses.push(Loss { what, why: finding.to_string() });
+            }
+        }
+    }
+
+    /// Keeps metadata or a private record if it is sound.
+    fn foreign_record<R: Read + Seek>(&mut self, input: &mut R, record: (u64, u8)) -> Result<(), EffError> {
+        match content(input, record) {
+            Ok(_) => {
+                self.foreign.records.insert(record);
+                Ok(())
+            }
+            Err(error) => self.lose(format!("the {} at byte {}", record::name(record.1), record.0), error),
+        }
+    }
+
     /// Keeps an attachment if it is sound and the first of its name.
     fn attachment<R: Read + Seek>(&mut self, input: &mut R, offset: u64) -> Result<(), EffError> {
-        let first_of_name = attachment_at(input, offset).and_then(|Attachment { name, .. }| {
+        let first_of_name = attachment_at(input, offset).and_then(|(Attachment { name, .. }, _)| {
             let again = self.attachment_names.contains(&name).then(|| named_again(&name, at(offset)));
             again.map_or(Ok(name), |finding| Err(finding.into()))
         });
@@ -149,7 +187,7 @@ impl Inventory {
 
     /// Keeps a message if it is sound and the first of its kind and index.
     fn message(&mut self, stream: &Stream, message: Message<'_>, place: Place) -> Result<(), Box<Finding>> {
-        let at = At { channel: None, time_ns: Some(message.log_time), offset: Some(place.chunk) };
+        let at = At { channel: None, time_ns: Some(message.log_time), offset: Some(place.record.0) };
         if stream.topic == topic::MANIFEST {
             let manifest = decode::manifest(message.data, stream.version, at).map_err(first)?;
             sound(|findings| check::manifest(&manifest, at, findings))?;
@@ -205,6 +243,64 @@ impl Inventory {
         }
     }
 
+    /// Compares what was found with what the summary counts and the manifest does not.
+    fn count_by(&mut self, index: &Index, data: &Data<'_>) {
+        let n_metadata = self.foreign.n_metadata();
+        if n_metadata < index.n_metadata {
+            let what = format!("{} of {} metadata records", index.n_metadata - n_metadata, index.n_metadata);
+            self.losses.push(Loss { what, why: format!("{n_metadata} are whole") });
+        }
+        let knows_steps = self.manifest.as_ref().is_some_and(|manifest| manifest.field.n_steps.is_some());
+        for (channel_id, expected) in &index.counts {
+            let found = self.n_messages.get(channel_id).copied().unwrap_or(0);
+            let topic = data.declared(*channel_id).map_or("a channel that is not there", |c| c.topic);
+            let is_counted = match topic {
+                topic::POSE | topic::SAMPLES | topic::PREVIEW_HEAD | topic::PREVIEW_WIND => true,
+                topic::FIELD => knows_steps,
+                _ => false,
+            };
+            if found < *expected && !is_counted {
+                let what = format!("{} of {expected} messages of {topic}", expected - found);
+                self.losses.push(Loss { what, why: format!("{found} are whole") });
+            }
+        }
+    }
+
+    /// Notes what may be another than it was: the checksum of all data does not hold, and it has no other.
+    fn doubt(&mut self) {
+        if self.n_outside > 0 {
+            let what = format!("{} records outside chunks", self.n_outside);
+            let why = "what is whole by itself is kept, but no checksum says that it is what it was".into();
+            self.losses.push(Loss { what, why });
+        }
+        self.foreign.drop_private(&mut self.losses);
+    }
+
+    /// Notes what is whole and is not written again.
+    fn lose_what_is_left_out(&mut self, data: &Data<'_>) {
+        for (topic, n) in std::mem::take(&mut self.n_extended) {
+            let what = format!("fields from number 1000 on, in {n} messages of {topic}");
+            self.losses.push(Loss { what, why: "fields of the format are written, no others".into() });
+        }
+        for (id, stream) in data.streams() {
+            if data.declared(id).is_some_and(|channel| !channel.metadata.is_empty()) {
+                let what = format!("metadata of the channel {}", stream.topic);
+                self.losses.push(Loss { what, why: "the channels of the format are written without".into() });
+            }
+        }
+        if self.n_stray > 0 {
+            let why = "their channels are not there, or of topics that the format does not have".into();
+            self.losses.push(Loss { what: format!("{} messages", self.n_stray), why });
+        }
+    }
+
+    /// Notes that there is a record where none of its kind may be: it was another one.
+    fn lose_stray(&mut self, (offset, opcode): (u64, u8)) {
+        let found = record::name(opcode);
+        let why = at(offset).finding(Code::RecordOrder, "record", found, "a record of the data section");
+        self.losses.push(Loss { what: format!("the record at byte {offset}"), why: why.to_string() });
+    }
+
     /// Notes a loss; a stream that fails is none.
     fn lose(&mut self, what: String, error: EffError) -> Result<(), EffError> {
         match error {
@@ -214,6 +310,15 @@ impl Inventory {
             }
             other => Err(other),
         }
+    }
+}
+
+/// What a file's end says is where, if it is whole.
+fn index<R: Read + Seek>(input: &mut R) -> Result<Option<Index>, EffError> {
+    match Index::read_end(input) {
+        Ok(index) => Ok(Some(index)),
+        Err(EffError::Unsound(_)) => Ok(None),
+        Err(other) => Err(other),
     }
 }
 
@@ -255,23 +360,38 @@ pub(super) fn first(findings: Vec<Finding>) -> Box<Finding> {
     finding.unwrap_or_else(|| At::default().finding(Code::Record, "message", "something wrong", "nothing"))
 }
 
-/// Reads the record at a place.
-fn record_at<R: Read + Seek>(input: &mut R, offset: u64) -> Result<(u8, Vec<u8>), EffError> {
+/// Reads the content of the record at a place, if it is of the kind that it should be.
+pub(super) fn record_at<R: Read + Seek>(
+    input: &mut R,
+    (offset, expected): (u64, u8),
+) -> Result<Vec<u8>, EffError> {
     input.seek(SeekFrom::Start(offset))?;
     let mut body = Vec::new();
+    let place = at(offset);
     match Source::new(input).next(&mut body)? {
-        Next::Record { opcode, .. } => Ok((opcode, body)),
-        Next::End { found, .. } => Err(at(offset)
-            .finding(Code::Cut, "record", found, format!("a record of {PREFIX} bytes or more"))
-            .into()),
+        Next::Record { opcode, .. } if opcode == expected => Ok(body),
+        Next::Record { opcode, .. } => {
+            let (found, expected) = (record::name(opcode), record::name(expected));
+            Err(place.finding(Code::Record, "record", found, expected).into())
+        }
+        Next::End { found, .. } => {
+            let expected = format!("a record of {PREFIX} bytes or more");
+            Err(place.finding(Code::Cut, "record", found, expected).into())
+        }
     }
 }
 
-/// The records of the chunk at a place, unpacked, if its checksum holds.
-pub(super) fn chunk<R: Read + Seek>(input: &mut R, offset: u64) -> Result<Vec<u8>, EffError> {
-    let (opcode, body) = record_at(input, offset)?;
-    let Ok(Record::Chunk(chunk)) = record::parse(opcode, &body) else {
-        return Err(at(offset).finding(Code::Record, "record", record::name(opcode), "a chunk").into());
+/// What a record holds.
+fn parsed(opcode: u8, body: &[u8], offset: u64) -> Result<Record<'_>, Box<Finding>> {
+    record::parse(opcode, body).map_err(|short| broken(at(offset), opcode, body, short))
+}
+
+/// The records of the chunk at a place, unpacked, if its checksum holds; of another kind the record itself.
+pub(super) fn content<R: Read + Seek>(input: &mut R, record: (u64, u8)) -> Result<Vec<u8>, EffError> {
+    let (offset, opcode) = record;
+    let body = record_at(input, record)?;
+    let Record::Chunk(chunk) = parsed(opcode, &body, offset)? else {
+        return Ok([&[opcode][..], &(body.len() as u64).to_le_bytes(), &body].concat());
     };
     let unpacked = unpack(&chunk, at(offset))?;
     sound(|findings| {
@@ -281,12 +401,16 @@ pub(super) fn chunk<R: Read + Seek>(input: &mut R, offset: u64) -> Result<Vec<u8
     Ok(unpacked)
 }
 
-/// The attachment at a place, if its checksum holds.
-pub(crate) fn attachment_at<R: Read + Seek>(input: &mut R, offset: u64) -> Result<Attachment, EffError> {
-    let (opcode, body) = record_at(input, offset)?;
-    let Ok(Record::Attachment(a)) = record::parse(opcode, &body) else {
-        return Err(at(offset).finding(Code::Record, "record", record::name(opcode), "an attachment").into());
+/// The attachment at a place, if its checksum holds, and when it was logged and made, ns.
+pub(crate) fn attachment_at<R: Read + Seek>(
+    input: &mut R,
+    offset: u64,
+) -> Result<(Attachment, [u64; 2]), EffError> {
+    let body = record_at(input, (offset, op::ATTACHMENT))?;
+    let Record::Attachment(a) = parsed(op::ATTACHMENT, &body, offset)? else {
+        return Err(at(offset).finding(Code::Record, "record", "another", "attachment").into());
     };
     sound(|f| crate::scan::check_crc(Code::AttachmentCrc, a.crc, a.computed_crc, at(offset), f))?;
-    Ok(Attachment { name: a.name.to_owned(), media_type: a.media_type.to_owned(), bytes: a.data.to_vec() })
+    let (name, media_type) = (a.name.to_owned(), a.media_type.to_owned());
+    Ok((Attachment { name, media_type, bytes: a.data.to_vec() }, [a.log_time, a.create_time]))
 }

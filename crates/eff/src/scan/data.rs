@@ -7,7 +7,7 @@ use crate::preview::{self, PREVIEWS};
 use crate::record::{self, Attachment, Channel, Message, PREFIX, Record, Schema, Statistics};
 use crate::scan::Findings;
 use crate::{Code, EffError, Finding};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The data section: what its records say, and what the summary will have to say about them.
 pub(crate) struct Data<'v> {
@@ -22,6 +22,8 @@ pub(crate) struct Data<'v> {
     known_channels: BTreeMap<u16, Option<&'static Stream>>,
     /// Channels of previews.
     previews: BTreeMap<u16, &'static Stream>,
+    /// Channels of other programs.
+    foreign: BTreeSet<u16>,
     /// What the last chunk's message indexes must be, until they are read.
     pending_indexes: Indexes,
     /// The last chunk could not be read: its message indexes are all that is known of it.
@@ -42,12 +44,36 @@ impl<'v> Data<'v> {
             schema_names: BTreeMap::new(),
             known_channels: BTreeMap::new(),
             previews: BTreeMap::new(),
+            foreign: BTreeSet::new(),
             pending_indexes: Indexes::new(),
             is_chunk_lost: false,
             chunks: Vec::new(),
             attachments: Vec::new(),
             statistics: Statistics::default(),
         }
+    }
+
+    /// What was declared of a channel, if there is one of this id.
+    pub fn declared(&self, channel_id: u16) -> Option<Channel<'_>> {
+        match record::parse(record::op::CHANNEL, self.channels.get(&channel_id)?) {
+            Ok(Record::Channel(channel)) => Some(channel),
+            _ => None,
+        }
+    }
+
+    /// Whether a channel is one of a preview.
+    pub fn is_of_preview(&self, channel_id: u16) -> bool {
+        self.previews.contains_key(&channel_id)
+    }
+
+    /// Whether a channel is another program's.
+    pub fn is_foreign(&self, channel_id: u16) -> bool {
+        self.foreign.contains(&channel_id)
+    }
+
+    /// The channels of other programs, and their records' contents.
+    pub fn foreign_channels(&self) -> impl Iterator<Item = (u16, &[u8])> {
+        self.foreign.iter().filter_map(|id| Some((*id, self.channels.get(id)?.as_slice())))
     }
 
     /// What a channel is to the format; `None` if nothing.
@@ -157,6 +183,15 @@ impl<'v> Data<'v> {
         self.is_empty = false;
     }
 
+    /// Takes a schema or a channel in, by the content of its record.
+    pub fn declaration(&mut self, opcode: u8, body: &[u8], place: Place<'_>, findings: &mut Findings) {
+        match record::parse(opcode, body) {
+            Ok(Record::Schema(schema)) => self.schema(schema, body, place, findings),
+            Ok(Record::Channel(channel)) => self.channel(&channel, body, place, findings),
+            _ => {}
+        }
+    }
+
     pub fn schema(&mut self, schema: Schema<'_>, body: &[u8], place: Place<'_>, findings: &mut Findings) {
         let what = format!("schema {}", schema.id);
         if schema.id == 0 {
@@ -230,6 +265,7 @@ impl<'v> Data<'v> {
             }
             None if self.is_preview(channel) => {}
             None => {
+                self.foreign.insert(channel.id);
                 let expected = format!("topics under {}", topic::OURS);
                 findings.push(place.finding(Code::Skipped, "topic", quoted(channel.topic), expected));
             }
@@ -310,11 +346,12 @@ impl<'v> Data<'v> {
         length: u64,
         findings: &mut Findings,
     ) {
+        let follows = self.chunks.last().is_some_and(|chunk| chunk.is_followed_by(offset, channel_id));
         match self.pending_indexes.remove(&channel_id) {
             _ if self.is_chunk_lost => self.count_lost(channel_id, entries),
             Some(expected) if expected == entries => {}
             // Some writers index every channel in every chunk.
-            None if entries.is_empty() => {}
+            None if entries.is_empty() && follows => {}
             Some(_) => {
                 let found = "other times or offsets";
                 findings.push(at(offset).finding(

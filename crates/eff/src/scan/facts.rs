@@ -1,4 +1,4 @@
-use crate::record::{AttachmentIndex, ChunkIndex};
+use crate::record::{AttachmentIndex, ChunkIndex, Message, PREFIX};
 use std::collections::BTreeMap;
 
 /// What a chunk index says.
@@ -13,6 +13,49 @@ pub(crate) struct ChunkFacts {
     pub compression: String,
     pub compressed_size: u64,
     pub uncompressed_size: u64,
+}
+
+/// A message index without messages: its prefix, a channel, the length of an empty list.
+const EMPTY_INDEX: u64 = PREFIX + 6;
+
+/// What a message takes in a message index: its time and where it is.
+const INDEX_ENTRY: u64 = 16;
+
+impl ChunkFacts {
+    /// A message outside chunks, as if it were one by itself.
+    pub fn of_message(offset: u64, length: u64, message: &Message<'_>) -> Self {
+        Self {
+            start_time: message.log_time,
+            end_time: message.log_time,
+            offset,
+            length,
+            message_index_offsets: BTreeMap::from([(message.channel_id, offset + length)]),
+            message_index_length: EMPTY_INDEX + INDEX_ENTRY,
+            compression: String::new(),
+            compressed_size: length,
+            uncompressed_size: length,
+        }
+    }
+
+    /// The channels that are indexed, and how many messages each has.
+    ///
+    /// The indexes follow the chunk one after the other: each ends where the next begins.
+    pub fn message_counts(&self) -> impl Iterator<Item = (u16, u64)> {
+        let mut starts: Vec<_> = self.message_index_offsets.iter().map(|(id, at)| (*at, *id)).collect();
+        starts.sort_unstable();
+        let last_end = self.offset.saturating_add(self.length).saturating_add(self.message_index_length);
+        let ends: Vec<_> = starts.iter().skip(1).map(|(at, _)| *at).chain([last_end]).collect();
+        let count = |(at, id): (u64, u16), end: u64| {
+            (id, end.saturating_sub(at).saturating_sub(EMPTY_INDEX) / INDEX_ENTRY)
+        };
+        starts.into_iter().zip(ends).map(move |(start, end)| count(start, end))
+    }
+
+    /// Whether an index record at a place would be the next one of the chunk, and its channel's first.
+    pub fn is_followed_by(&self, index_offset: u64, channel_id: u16) -> bool {
+        self.offset + self.length + self.message_index_length == index_offset
+            && !self.message_index_offsets.contains_key(&channel_id)
+    }
 }
 
 /// What an attachment index says.

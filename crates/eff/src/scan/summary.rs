@@ -49,7 +49,10 @@ impl Summary {
     ) {
         if let Record::SummaryOffset { group_opcode, group_start, group_length } = record {
             self.offsets_start.get_or_insert(offset);
-            self.offsets.push((*group_opcode, *group_start, *group_length));
+            // Some writers say of each kind that may be there where it is, of those that are not there too.
+            if *group_length > 0 {
+                self.offsets.push((*group_opcode, *group_start, *group_length));
+            }
             return;
         }
         self.extend_group(opcode, offset, PREFIX + body.len() as u64);

@@ -66,17 +66,19 @@ pub(crate) enum BadField {
     Malformed,
 }
 
-/// Looks at every tag of a payload.
-pub(crate) fn check(payload: &[u8], fields: &Fields) -> Result<(), BadField> {
+/// Looks at every tag of a payload; whether there are fields that are skipped, in messages within it too.
+pub(crate) fn check(payload: &[u8], fields: &Fields) -> Result<bool, BadField> {
     check_within(payload, fields, "")
 }
 
-fn check_within(mut bytes: &[u8], fields: &Fields, path: &str) -> Result<(), BadField> {
+fn check_within(mut bytes: &[u8], fields: &Fields, path: &str) -> Result<bool, BadField> {
     let mut seen = Vec::new();
+    let mut has_extensions = false;
     while !bytes.is_empty() {
         let tag = varint(&mut bytes)?;
         let (number, content) = (tag >> 3, content(&mut bytes, tag & 7)?);
         if number >= FIRST_EXTENSION {
+            has_extensions = true;
             continue;
         }
         let Some((name, repeated, within)) = fields.find(number) else {
@@ -88,10 +90,11 @@ fn check_within(mut bytes: &[u8], fields: &Fields, path: &str) -> Result<(), Bad
         }
         seen.push(number);
         if let Some(within) = within {
-            check_within(content.ok_or(BadField::Malformed)?, within, &path)?;
+            let content = content.ok_or(BadField::Malformed)?;
+            has_extensions |= check_within(content, within, &path)?;
         }
     }
-    Ok(())
+    Ok(has_extensions)
 }
 
 /// Takes a field's content off the bytes; `None` for a plain number.
@@ -143,7 +146,7 @@ mod tests {
             translation_m: Some(proto::Vector3 { x: 1.0, y: 2.0, z: 3.0 }),
             rotation: Some(proto::Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 }),
         };
-        assert_eq!(check(&pose.encode_to_vec(), &POSE_STEP), Ok(()));
+        assert_eq!(check(&pose.encode_to_vec(), &POSE_STEP), Ok(false));
     }
 
     /// The tables say what the descriptors say, which travel in every file.
@@ -182,8 +185,9 @@ mod tests {
         assert_eq!(check(&[0x1a, 2, 0x28, 7], &POSE_STEP), Err(unknown));
         // Field 1 twice.
         assert_eq!(check(&[0x08, 1, 0x08, 1], &POSE_STEP), Err(BadField::Twice { path: "index".into() }));
-        // Field 1000 is an extension.
-        assert_eq!(check(&[0xc0, 0x3e, 1], &POSE_STEP), Ok(()));
+        // Field 1000 is an extension, in translation_m too.
+        assert_eq!(check(&[0xc0, 0x3e, 1], &POSE_STEP), Ok(true));
+        assert_eq!(check(&[0x1a, 3, 0xc0, 0x3e, 1], &POSE_STEP), Ok(true));
         for malformed in [&[0x1a, 9, 0][..], &[0x80], &[0x0b], &[0xff; 11], &[0x18, 0]] {
             assert_eq!(check(malformed, &POSE_STEP), Err(BadField::Malformed), "{malformed:?}");
         }

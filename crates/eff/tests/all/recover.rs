@@ -1,7 +1,7 @@
 //! Whatever happens to a file, every whole step of it is saved.
 
 use crate::arbitrary::{self, small, small_file, written};
-use crate::forge::{self, EDITS, FIELD, MANIFEST, POSE, Pieces, SAMPLES, pieces, set};
+use crate::forge::{self, EDITS, FIELD, MANIFEST, POSE, Piece, Pieces, SAMPLES, pieces, set};
 use protox::prost_reflect::Value;
 use std::io::Cursor;
 use tousle_core::NoProgress;
@@ -211,6 +211,141 @@ fn an_end_in_the_middle_is_none() {
     let (recovery, out) = saved(&bytes).unwrap();
     assert_eq!((recovery.n_steps, recovery.bridged.len()), (5, 0));
     assert_eq!(content(&out), small());
+}
+
+/// An attachment whose opcode became another one, that of a private record too.
+#[test]
+fn an_attachment_that_is_none_any_more_is_named() {
+    let sound = small_file();
+    let at = forge::record(&sound, 0x09, 0).offset;
+    for bit in 0..8 {
+        let mut bytes = sound.clone();
+        bytes[at] ^= 1 << bit;
+        let (recovery, out) = saved(&bytes).unwrap();
+        assert!(content(&out).attachments.is_empty());
+        let what = format!("the attachment at byte {at}");
+        assert!(recovery.losses.iter().any(|loss| loss.what == what), "{bit} {:?}", recovery.losses);
+        // Without the summary nobody knows what it was.
+        if let Some((recovery, _)) = saved(&bytes[..bytes.len() - 1]) {
+            assert!(!recovery.is_complete(), "{bit}");
+        }
+    }
+}
+
+/// A header of which any bit is another: the file's end says where all else is.
+#[test]
+fn without_a_header_all_is_saved() {
+    let sound = small_file();
+    for at in 0..forge::record(&sound, 0x01, 0).end() {
+        let mut bytes = sound.clone();
+        bytes[at] ^= 1 << (at % 8);
+        let (recovery, out) = saved(&bytes).unwrap();
+        assert!(recovery.is_complete(), "{at} {:?}", recovery.losses);
+        assert!(out == sound, "{at}");
+    }
+}
+
+/// Topics, metadata and private records of other programs come along; the first time as they are, and then for ever.
+#[test]
+fn what_other_programs_wrote_is_copied() {
+    let mut forged = pieces(&small_file());
+    forged.schemas.push((40, "com.example.Lens".into(), "jsonschema".into(), b"{}".to_vec()));
+    forged.channels.push((1000, 40, "/camera/lens".into(), "json".into()));
+    forged.channels.push((9, 0, "/note".into(), "json".into()));
+    let message = |channel_id, k: u32| Piece {
+        channel_id,
+        sequence: 7 + k,
+        log_time: 5 * u64::from(k),
+        publish_time: 6,
+        payload: format!("{{\"mm\": {k}}}").into_bytes(),
+    };
+    forged.chunks.insert(2, vec![message(1000, 0), message(9, 1)]);
+    forged.chunks.push(vec![message(1000, 2)]);
+    forged.metadata = vec!["com.example".into(), "private".into()];
+    let mut bytes = forged.forge();
+    let private = forge::record(&bytes, 0x0c, 1);
+    bytes[private.offset] = 0x85;
+    // After the counts of messages, schemas, channels and attachments, that of metadata.
+    let statistics = forge::record(&bytes, 0x0b, 0);
+    forge::patch(&mut bytes, statistics, 18, &1u32.to_le_bytes());
+    let (recovery, out) = saved(&bytes).unwrap();
+    assert!(recovery.is_complete(), "{:?}", recovery.losses);
+    assert_eq!(content(&out), small());
+    let copy = pieces(&out);
+    let lens = copy.channels.iter().find(|(_, _, topic, _)| topic == "/camera/lens").unwrap();
+    let schema = copy.schemas.iter().find(|(id, ..)| *id == lens.1).unwrap();
+    assert_eq!(schema.1, "com.example.Lens");
+    let lenses = copy.chunks.iter().flatten().filter(|piece| piece.channel_id == lens.0);
+    let expected = [0, 2].map(|k| Piece { channel_id: lens.0, ..message(1000, k) });
+    assert!(lenses.eq(&expected));
+    let note = copy.channels.iter().find(|(_, _, topic, _)| topic == "/note").unwrap();
+    assert!(copy.chunks.iter().flatten().any(|p| *p == Piece { channel_id: note.0, ..message(9, 1) }));
+    for opcode in [0x0c, 0x85] {
+        let record = |bytes: &[u8]| {
+            let at = forge::record(bytes, opcode, 0);
+            bytes[at.offset..at.end()].to_vec()
+        };
+        assert_eq!(record(&out), record(&bytes));
+    }
+    assert!(saved(&out).unwrap().1 == out);
+    // Whether a private record is one only the checksum of all data says.
+    let end_of_header = forge::record(&bytes, 0x01, 0).end();
+    bytes[end_of_header - 1] ^= 1;
+    let (recovery, out) = saved(&bytes).unwrap();
+    assert!(recovery.losses.iter().any(|loss| loss.what == "1 private records"), "{:?}", recovery.losses);
+    assert!(forge::records(&out).iter().all(|at| at.opcode < 0x80));
+}
+
+/// Fields that are other people's are in no message that is written.
+#[test]
+fn fields_that_are_skipped_are_named() {
+    let mut forged = pieces(&small_file());
+    forged.message(POSE, 3).payload.extend([0xc2, 0x3e, 2, 7, 7]);
+    forged.message(FIELD, 1).payload.extend([0xc2, 0x3e, 2, 7, 7]);
+    let (recovery, out) = saved(&forged.forge()).unwrap();
+    let named: Vec<_> = recovery.losses.iter().map(|loss| &*loss.what).collect();
+    let in_topic = |topic: &str| format!("fields from number 1000 on, in 1 messages of {topic}");
+    assert_eq!(named, [in_topic("/eff/field"), in_topic("/eff/pose")]);
+    assert_eq!(content(&out), small());
+}
+
+/// A file whose records are all outside chunks.
+fn outside_chunks() -> (Pieces, Vec<u8>) {
+    let mut forged = pieces(&small_file());
+    forged.options = forged.options.clone().use_chunks(false);
+    let bytes = forged.forge();
+    (forged, bytes)
+}
+
+/// Of a message outside chunks there is no checksum of its own: in a damaged file it may be another one.
+#[test]
+fn what_nothing_vouches_for_is_named() {
+    let (forged, sound) = outside_chunks();
+    assert!(saved(&sound).unwrap().0.is_complete());
+    let first_step = forged.chunks.iter().flatten().position(|p| p.channel_id == FIELD).unwrap();
+    let step = forge::record(&sound, 0x05, first_step + 2);
+    // A number in it, and its length.
+    for at in [step.end() - 200, step.offset + 3] {
+        let mut bytes = sound.clone();
+        bytes[at] ^= 0x10;
+        let (recovery, _) = saved(&bytes).unwrap();
+        let n = forge::records(&sound).into_iter().filter(|at| at.opcode == 0x05).count();
+        let named = |what: &str| recovery.losses.iter().any(|loss| loss.what == what);
+        assert!(named(&format!("{n} records outside chunks")) || named("3 of 5 steps of the field"), "{at}");
+    }
+}
+
+/// The edits' channel is another by a bit; the summary has it whole.
+#[test]
+fn edits_whose_channel_is_damaged_are_saved_or_named() {
+    let (_, mut bytes) = outside_chunks();
+    let at = bytes.windows(14).position(|bytes| bytes == b"\x0a\0\0\0/eff/edits").unwrap();
+    bytes[at + 10] ^= 1;
+    assert_eq!(content(&saved(&bytes).unwrap().1), small());
+    bytes.pop();
+    let (recovery, out) = saved(&bytes).unwrap();
+    assert!(content(&out).field.layers.is_empty());
+    assert!(!recovery.is_complete());
 }
 
 /// Samples come among the steps: wherever a long file is cut, it has whole steps and the samples of their times.

@@ -1,6 +1,7 @@
 //! What MCAP itself would, or would not, complain about.
 
 use super::{Case, forged, patched, sound};
+use crate::forge::by_hand::Habits;
 use crate::forge::{FIELD, MANIFEST, POSE, patch, pieces, record, refit};
 
 const HEADER: u8 = 0x01;
@@ -146,6 +147,18 @@ fn chunks() -> Vec<Case> {
             let new = [b[index.end() - 8] ^ 1];
             patch(b, index, index.length - 8, &new);
         }),
+        Case {
+            name: "message-index-twice",
+            what: "two message indexes of a channel, the second empty",
+            findings: &["message-index", "summary"],
+            make: Box::new(|| {
+                let habits = Habits { indexes_every_channel: true, ..Habits::default() };
+                let mut bytes = pieces(&sound()).by_hand(habits);
+                let index_of_poses = record(&bytes, MESSAGE_INDEX, 2);
+                patch(&mut bytes, index_of_poses, 0, &MANIFEST.to_le_bytes());
+                bytes
+            }),
+        },
         patched(
             "message-index-none",
             "a chunk without message index",

@@ -53,6 +53,15 @@ fn manifest() -> Vec<Case> {
             let payload = &mut p.message(MANIFEST, 0).payload;
             payload.splice(1..1, b"\"name\":\"other\",".iter().copied());
         }),
+        forged(
+            "json-extension-twice",
+            "a member within extensions that is there twice",
+            &["json-schema"],
+            |p| {
+                let payload = &mut p.message(MANIFEST, 0).payload;
+                payload.splice(1..1, b"\"extensions\":{\"a\":[{\"b\":1,\"b\":2}]},".iter().copied());
+            },
+        ),
         forged("dims-zero", "no voxels", &["json-schema"], |p| {
             p.manifest("/field/grid/dims", json!([2, 0, 1]));
         }),
@@ -306,6 +315,33 @@ fn packing() -> Vec<Case> {
                 );
             },
         ),
+        forged(
+            "encoding-sd-f16",
+            "half precision of what is known, where single is announced",
+            &["encoding"],
+            |p| {
+                p.proto(FIELD, 1, |m| {
+                    set(m, "sd.data", Proto::Bytes(vec![0; 8].into()));
+                    set(m, "sd.encoding", Proto::EnumNumber(2));
+                });
+            },
+        ),
+        forged_from(FIXED, "encoding-sd-fixed", "multiples of what is known", &["encoding"], |p| {
+            p.proto(FIELD, 1, |m| {
+                set(m, "sd.data", Proto::Bytes(vec![0; 8].into()));
+                set(m, "sd.encoding", Proto::EnumNumber(3));
+                set(m, "sd.quantum", Proto::F64(0.0005));
+            });
+        }),
+        forged("encoding-samples", "places in half precision", &["encoding"], |p| {
+            p.proto(SAMPLES, 1, |m| {
+                set(m, "position_m.data", Proto::Bytes(vec![0; 12].into()));
+                set(m, "position_m.encoding", Proto::EnumNumber(2));
+            });
+        }),
+        forged("quantum-needless", "steps of numbers that have none", &["encoding"], |p| {
+            p.proto(FIELD, 1, |m| set(m, "u.quantum", Proto::F64(f64::NAN)));
+        }),
         forged_from(
             FIXED,
             "quantum-coarse",

@@ -68,7 +68,11 @@ pub fn all_agree(bytes: &[u8]) -> bool {
     if let Ok(recovery) = recover(Cursor::new(bytes), &mut out, &NoProgress) {
         let validation = validate(&out[..]).unwrap();
         assert!(validation.is_sound, "{:#?}", validation.findings);
-        assert!(!is_sound || recovery.is_complete(), "{:?}", recovery.losses);
+        // What has its place in our messages for others is left out.
+        let left_out = ["fields from number 1000", "metadata of the channel"];
+        let is_left_out = |what: &str| left_out.iter().any(|start| what.starts_with(start));
+        let is_skipped = recovery.losses.iter().all(|loss| is_left_out(&loss.what));
+        assert!(!is_sound || is_skipped, "{:?}", recovery.losses);
     } else {
         assert!(!is_sound);
     }

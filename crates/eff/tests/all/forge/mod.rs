@@ -1,6 +1,8 @@
 //! Field files taken apart, changed, and put together again by the container's own crate, with every checksum
 //! right, so that exactly one thing is wrong with them.
 
+pub mod by_hand;
+
 use mcap::records::{MessageHeader, Metadata};
 use protox::prost_reflect::prost::Message as _;
 use protox::prost_reflect::{DescriptorPool, DynamicMessage, Value};

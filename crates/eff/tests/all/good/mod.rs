@@ -3,7 +3,8 @@
 pub mod old;
 
 use crate::arbitrary::{layer, scene, small, step, tiny, written};
-use crate::forge::{FIELD, MANIFEST, Piece, pieces};
+use crate::forge::by_hand::Habits;
+use crate::forge::{FIELD, MANIFEST, Piece, Pieces, pieces};
 use serde_json::{Value, json};
 use tousle_core::{Body, PoseTrack, Quantity, Vec3};
 use tousle_eff::{Eff, Encoding, WriteOptions};
@@ -81,6 +82,28 @@ pub fn cases() -> Vec<Case> {
             }
         },
     ));
+    cases.push(forged("outside-chunks", "no chunks at all", &[], |p| {
+        p.options = p.options.clone().use_chunks(false);
+    }));
+    let habits = Habits { has_early_schemas: true, ..Habits::default() };
+    cases.push(by_hand("early-schemas", "schemas and channels before the first chunk", habits, |_| {}));
+    let habits = Habits { indexes_every_channel: true, ..Habits::default() };
+    cases.push(by_hand(
+        "all-indexed",
+        "empty indexes, and samples of later times between steps",
+        habits,
+        |p| {
+            let later = p.chunks[2].split_off(3);
+            p.chunks.insert(4, later);
+        },
+    ));
+    let habits = Habits { has_offsets_of_nothing: true, ..Habits::default() };
+    cases.push(by_hand(
+        "offsets-of-nothing",
+        "summary offsets of records that are not there",
+        habits,
+        |_| {},
+    ));
     cases.push(forged("rounded-down", "times rounded down to whole nanoseconds", &[], |p| {
         for piece in p.chunks.iter_mut().flatten().filter(|piece| piece.log_time == 33_333_334) {
             piece.log_time -= 1;
@@ -106,7 +129,7 @@ fn forged(
     name: &'static str,
     what: &'static str,
     findings: &'static [&'static str],
-    change: fn(&mut crate::forge::Pieces),
+    change: fn(&mut Pieces),
 ) -> Case {
     let make = Box::new(move || {
         let mut pieces = pieces(&bytes(&tiny(), Encoding::F32));
@@ -114,6 +137,19 @@ fn forged(
         pieces.forge()
     });
     Case { name, what, eff: tiny(), make, max_error: 0.0, findings }
+}
+
+/// Written by a program with other habits; without attachments.
+fn by_hand(name: &'static str, what: &'static str, habits: Habits, change: fn(&mut Pieces)) -> Case {
+    let mut eff = small();
+    eff.attachments.clear();
+    let written = bytes(&eff, Encoding::F32);
+    let make = Box::new(move || {
+        let mut pieces = pieces(&written);
+        change(&mut pieces);
+        pieces.by_hand(habits)
+    });
+    Case { name, what, eff, make, max_error: 0.0, findings: &[] }
 }
 
 fn bytes(eff: &Eff, encoding: Encoding) -> Vec<u8> {
