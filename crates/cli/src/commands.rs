@@ -77,7 +77,7 @@ fn read_groom_and_numbers(
     options.forward = args.groom_forward;
     if args.fit_to_head {
         if args.groom_unit.is_some() {
-            eprintln!(
+            note!(
                 "warning: --groom-unit does nothing beside --fit-to-head, which finds the scale whatever the unit"
             );
         }
@@ -91,11 +91,11 @@ fn read_groom_and_numbers(
         anyhow!(error).context(format!("cannot use the groom {}{hint}", path.display()))
     })?;
     for warning in &read.warnings {
-        eprintln!("warning: {}: {warning}", path.display());
+        note!("warning: {}: {warning}", path.display());
     }
     let roots = read.groom.strands.iter().map(|s| s.rest_curve_m[0]);
     if !roots.into_iter().any(|root| grid.contains(root)) {
-        eprintln!(
+        note!(
             "warning: {}: no root lies in the field's box about the head: --groom-unit, --groom-up or --fit-to-head \
              may be what is missing",
             path.display()

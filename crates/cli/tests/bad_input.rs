@@ -434,6 +434,27 @@ fn a_stdout_that_takes_no_more() {
     assert_eq!(run.err, "");
 }
 
+/// Where nobody hears what is said on stderr, the work is done as ever and the exit code says how it ended.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_stderr_that_takes_no_more() {
+    let room = Room::with_field();
+    let lift = String::from_utf8(room.read("lift.toml")).unwrap();
+    room.write("far.toml", lift.replace("[0.05, -0.05, 0.08]", "[0, 0, 9]"));
+    for (code, words) in [
+        (0, "simulate f.eff.mcap --groom bob.json -o m.npz --duration-secs 0.1 --guides 1000"),
+        (1, "inspect nowhere"),
+        (2, "validate --nothing"),
+        (2, "inspect gusts.c3d --report q.json"),
+        (3, "edit f.eff.mcap --groom bob.json --edits far.toml -o g.eff.mcap"),
+    ] {
+        assert!(!room.run(words).ended(code).err.is_empty(), "{words}");
+        room.shell(&format!("$TOUSLE {words} 2> /dev/full")).ended(code);
+        room.shell(&format!("$TOUSLE {words} 2>&1 | true; exit ${{PIPESTATUS[0]}}")).ended(code);
+    }
+    assert!(room.path("m.npz").exists() && room.path("g.eff.mcap").exists());
+}
+
 #[test]
 fn a_capture_in_another_unit() {
     convert_refuses(

@@ -42,7 +42,7 @@ pub fn run(args: &ConvertArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         );
     }
     for loss in &report.losses {
-        eprintln!("loss: {loss}");
+        note!("loss: {loss}");
     }
     Ok(if report.losses.is_empty() { Outcome::Fine } else { Outcome::WithLoss })
 }

@@ -69,7 +69,7 @@ pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
 fn warn_of_nothing(args: &EditArgs, field: &FieldSequence, edits: &EditList, stack: &[FieldLayer]) {
     let file = args.edits.display();
     if edits.changes.is_empty() && edits.winds.is_empty() && edits.edits.is_empty() {
-        eprintln!(
+        note!(
             "warning: {file}: found no edits, expected [[edit]], [[wind]] or [[change]]: the field is written as it was"
         );
     }
@@ -80,10 +80,13 @@ fn warn_of_nothing(args: &EditArgs, field: &FieldSequence, edits: &EditList, sta
     let (start, end) = (field.start_secs, field.end_secs());
     for layer in stack.iter().filter(|layer| !field.layers.contains(layer)) {
         if layer.first_secs >= end || layer.last_secs <= start {
-            eprintln!(
+            note!(
                 "warning: {file}: layer {:?} ({:?}): found {:.3} to {:.3} s, expected some of the field's time, {start:.3} to \
                  {end:.3} s: in it nothing changes",
-                layer.id, layer.name, layer.first_secs, layer.last_secs
+                layer.id,
+                layer.name,
+                layer.first_secs,
+                layer.last_secs
             );
         }
     }
@@ -106,7 +109,7 @@ fn losses(report: &Report, tolerance_mm: f64) -> Outcome {
     for made in &report.made.edits {
         let unreachable = made.unreachable();
         for why in &unreachable {
-            eprintln!("loss: edit {:?}: the target is {why}", made.name());
+            note!("loss: edit {:?}: the target is {why}", made.name());
             outcome = Outcome::WithLoss;
         }
         // One push by the paper's E4 is not asked to meet its target, and what is out of reach has been said.
@@ -118,7 +121,7 @@ fn losses(report: &Report, tolerance_mm: f64) -> Outcome {
         for key in effects.flat_map(|effect| &effect.keys) {
             // What is written is single precision.
             if key.residual_mm.after > 1.01 * tolerance_mm {
-                eprintln!(
+                note!(
                     "loss: edit {:?}: strand {}, control point {}, at {:.3} s: found it {:.2} mm from its target, expected at \
                      most {tolerance_mm} mm: other edits move it too",
                     made.name(),

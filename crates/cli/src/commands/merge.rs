@@ -36,7 +36,7 @@ pub fn run(args: &MergeArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         sayln!("wrote {} ({} steps, {megabytes:.1} MB)", args.output.display(), written.n_steps);
     }
     for warning in &report.warnings {
-        eprintln!("warning: {warning}");
+        note!("warning: {warning}");
     }
     Ok(Outcome::Fine)
 }

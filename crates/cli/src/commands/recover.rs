@@ -19,7 +19,7 @@ pub fn run(args: &RecoverArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         sayln!("wrote {}", args.output.display());
     }
     for loss in &recovery.losses {
-        eprintln!("loss: {}: {}", loss.what, loss.why);
+        note!("loss: {}: {}", loss.what, loss.why);
     }
     Ok(if recovery.is_complete() { Outcome::Fine } else { Outcome::WithLoss })
 }

@@ -46,14 +46,14 @@ fn try_each(parts: &[BenchPart], mut run: impl FnMut(BenchPart) -> anyhow::Resul
     let mut runs = Vec::new();
     for (k, part) in (1..).zip(parts) {
         let name = part.name();
-        eprintln!("{name}: part {k} of {}", parts.len());
+        note!("{name}: part {k} of {}", parts.len());
         let started = Instant::now();
         let ending = run(*part).unwrap_or_else(|error| Ending::Failed(error_lines(&error)));
         let wall_secs = started.elapsed().as_secs_f64();
         match &ending {
-            Ending::Done(_) => eprintln!("{name}: done in {wall_secs:.1} s"),
-            Ending::Failed(why) => eprintln!("{name}: failed: {why}"),
-            Ending::Skipped(why) => eprintln!("{name}: skipped, {why}"),
+            Ending::Done(_) => note!("{name}: done in {wall_secs:.1} s"),
+            Ending::Failed(why) => note!("{name}: failed: {why}"),
+            Ending::Skipped(why) => note!("{name}: skipped, {why}"),
         }
         runs.push(PartRun { name, wall_secs, ending });
     }
@@ -82,7 +82,7 @@ fn report(part: BenchPart, args: &BenchAllArgs, watch: &dyn Watch) -> anyhow::Re
         (BenchPart::File, _) => part::file(&args.fields, watch).map(Some),
         (BenchPart::Sim, captures) => {
             if captures.is_none() {
-                eprintln!("sim: its part truth is skipped, {NEEDS_CAPTURES}");
+                note!("sim: its part truth is skipped, {NEEDS_CAPTURES}");
             }
             let args = BenchSimArgs { captures, names, torso_grip: None, parts: Vec::new(), output: None };
             part::sim(&args, watch).map(Some)

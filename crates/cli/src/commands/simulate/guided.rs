@@ -58,7 +58,7 @@ fn warn_of_many_steps(
     let Steps { per_second, in_all, unlimited_per_second, limit } = simulator.steps(layers)?;
     if per_second > MANY * unlimited_per_second {
         let (name, better) = (integrator.name(), Integrator::of(options.method)[0].name());
-        eprintln!(
+        note!(
             "warning: {name} takes {per_second:.0} steps a second, {in_all} in all, as it stands none longer than {limit}; \
              --integrator {better} stands every step and takes {unlimited_per_second:.0} a second"
         );
@@ -90,7 +90,7 @@ pub fn simulate(
     let Some(n_guides) = n_guides else {
         if let Some(asked) = args.guides {
             let n_strands = groom.strands.len();
-            eprintln!(
+            note!(
                 "warning: --guides {asked}: found {n_strands} strands, so all are simulated and none follows"
             );
         }

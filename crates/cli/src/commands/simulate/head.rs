@@ -44,7 +44,7 @@ fn read_usda(
     options.world_up = (-eff.scene.gravity_world).try_normalize(1e-9).unwrap_or_else(Vec3::z);
     let read = tousle_usda::read_poses(bytes, &options)?;
     for warning in &read.warnings {
-        eprintln!("warning: {}: {warning}", path.display());
+        note!("warning: {}: {warning}", path.display());
     }
     let mut assumed = Vec::new();
     let mut assume = |what: &str, value: String, why: &str| {
