@@ -20,9 +20,11 @@ use crate::args::{EncodingArg, GroomArgs, PackArgs, ReadArgs};
 use anyhow::{Context, anyhow};
 use output::{check_output, check_outputs, ending};
 use serde::Serialize;
+use std::fs::File;
+use std::io::Seek;
 use std::path::Path;
 use tousle_core::Groom;
-use tousle_eff::{Eff, EffError, Encoding, ReadOptions, WriteOptions, WriteReport};
+use tousle_eff::{Code, Eff, EffError, Encoding, ReadOptions, WriteOptions, WriteReport};
 use tousle_field::{GridSpec, Scene};
 use tousle_groom::{GroomOptions, GroomReadError, HeadShape, Placement, ReadGroom};
 use tousle_ingest::IngestOptions;
@@ -41,6 +43,37 @@ fn only_with(needs: &str, why: &str, options: &[(&str, bool)]) -> anyhow::Result
     Ok(())
 }
 
+/// What bytes are that other tools take, for programs and in words: `import` takes wind in them.
+fn for_other_tools(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+    if bytes.starts_with(b" BDV") {
+        Some(("vdb", "OpenVDB grids (.vdb)"))
+    } else if first_in_zip(bytes).is_some_and(|name| name.ends_with(b".npy")) {
+        Some(("npz", "NumPy arrays (.npz)"))
+    } else {
+        None
+    }
+}
+
+/// The name of the first file in a zip archive.
+fn first_in_zip(bytes: &[u8]) -> Option<&[u8]> {
+    let header = bytes.strip_prefix(b"PK\x03\x04")?;
+    let n_bytes = u16::from_le_bytes([*header.get(22)?, *header.get(23)?]);
+    header.get(26..26 + usize::from(n_bytes))
+}
+
+/// Opens a field file of which steps are read in any order.
+fn open_field(path: &Path) -> anyhow::Result<File> {
+    let mut file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
+    // A pipe has no place in it.
+    file.stream_position().with_context(|| {
+        format!(
+            "cannot use the field {}: found a pipe, expected a file that can be read in any order",
+            path.display()
+        )
+    })?;
+    Ok(file)
+}
+
 /// Reads a sound field file.
 fn read_eff(path: &Path) -> anyhow::Result<Eff> {
     sound_eff(&read_file(path)?, path)
@@ -53,10 +86,27 @@ fn sound_eff(bytes: &[u8], path: &Path) -> anyhow::Result<Eff> {
 
 /// Why a field file cannot be used.
 fn unusable(error: EffError, path: &Path) -> anyhow::Error {
-    anyhow!(error).context(format!(
-        "cannot use the field {} (`tousle validate` lists all that is wrong)",
-        path.display()
-    ))
+    let saved = if is_damaged(&error) { ", `tousle recover` saves the whole steps" } else { "" };
+    let says =
+        format!("cannot use the field {} (`tousle validate` lists all that is wrong{saved})", name(path));
+    anyhow!(error).context(says)
+}
+
+/// Why a field file cannot be written again: what is wrong with it is said of it, and what keeps the output from being written
+/// of that.
+fn not_copied(error: EffError, path: &Path) -> anyhow::Error {
+    if matches!(error, EffError::Unsound(_)) { unusable(error, path) } else { error.into() }
+}
+
+/// Whether a field file was cut off or changed by nobody who writes fields.
+fn is_damaged(error: &EffError) -> bool {
+    matches!(error, EffError::Unsound(finding) if is_damage(finding.code))
+}
+
+/// Whether a finding is of bytes that were sound once.
+fn is_damage(code: Code) -> bool {
+    use Code::{AttachmentCrc, ChunkCrc, Compression, Cut, DataCrc, Record, SummaryCrc};
+    matches!(code, AttachmentCrc | ChunkCrc | Compression | Cut | DataCrc | Record | SummaryCrc)
 }
 
 /// Reads a groom; what it leaves out or changes is said on stderr.

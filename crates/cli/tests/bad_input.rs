@@ -406,6 +406,11 @@ fn options_that_do_nothing_say_what_they_need() {
         ("inspect gusts.c3d --groom-up Z".to_owned(), "a groom"),
         ("inspect f.eff.mcap --groom-unit mm".to_owned(), "a groom"),
         ("inspect f.eff.mcap --session session.json".to_owned(), "a capture"),
+        (
+            "inspect bob.json --unit mm".to_owned(),
+            "the file is a groom; its unit and its axes are --groom-unit",
+        ),
+        ("inspect bob.json --session session.json".to_owned(), "a capture"),
         ("import w.vdb --session session.json -o g.eff.mcap --extent-mm 500".to_owned(), "a .npz file"),
         ("import w.npz --session session.json -o g.eff.mcap --grid vel".to_owned(), ".vdb files"),
         ("import w.npz --session session.json -o g.eff.mcap --rate-hz 30".to_owned(), ".vdb files"),

@@ -1,6 +1,7 @@
 mod capture;
 
-use super::{only_with, print_json, quality, read_file};
+use super::validate::by_hand;
+use super::{for_other_tools, is_damaged, only_with, print_json, quality, read_file};
 use crate::args::{InspectArgs, ReadArgs};
 use crate::ui::Outcome;
 use anyhow::{Context, anyhow};
@@ -16,55 +17,73 @@ const MCAP_MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
 /// `tousle inspect`
 pub fn run(args: &InspectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
-    if args.session.is_none() {
-        let ReadArgs { unit, subject, allow_cut } = &args.read;
-        let given =
-            [("--unit", unit.is_some()), ("--subject", subject.is_some()), ("--allow-cut", *allow_cut)];
-        only_with("--session", "a capture is told as its file has it otherwise", &given)?;
-    }
     let inputs: Vec<&Path> = [args.file.as_path()].into_iter().chain(args.session.as_deref()).collect();
     quality::check_reports(&args.report, &inputs)?;
     let bytes = read_file(&args.file)?;
     let cannot = || format!("cannot inspect {}", args.file.display());
-    let is_field = bytes.starts_with(MCAP_MAGIC);
-    let is_capture = !is_field && (args.session.is_some() || tousle_ingest::guess_format(&bytes).is_some());
-    if !is_capture {
-        let given = [("--session", args.session.is_some())];
-        only_with("a capture", "it says what the people in its room knew", &given)?;
-    }
-    if is_field || is_capture {
-        let given = [("--groom-unit", args.groom_unit.is_some()), ("--groom-up", args.groom_up.is_some())];
-        only_with("a groom", "it says what a groom file may not", &given)?;
-    }
-    if is_field {
-        let inspection = tousle_eff::inspect(&bytes[..]).with_context(cannot)?;
+    if bytes.starts_with(MCAP_MAGIC) {
+        no_capture_options(args, "the file is a field")?;
+        no_groom_options(args, "the file is a field")?;
+        let inspection = tousle_eff::inspect(&bytes[..]).map_err(|error| {
+            let saved = if is_damaged(&error) { " (`tousle recover` saves the whole steps)" } else { "" };
+            anyhow!(error).context(format!("{}{saved}", cannot()))
+        })?;
         show(args.json, &inspection, field_table)?;
-    } else if is_capture {
+    } else if tousle_ingest::guess_format(&bytes).is_some() {
+        no_groom_options(args, "the file is a capture")?;
+        if args.session.is_none() {
+            let why = "a capture is told as its file has it otherwise";
+            only_with("--session", why, &read_options_given(args))?;
+        }
         return capture::run(args, &bytes, watch).with_context(cannot);
     } else {
-        let mut options = GroomOptions::default();
-        options.unit = args.groom_unit;
-        options.up_axis = args.groom_up;
-        match tousle_groom::inspect_groom(&bytes, &options) {
-            Ok(summary) => show(args.json, &summary, groom_table)?,
-            Err(GroomReadError::UnknownFormat { .. }) => {
-                // Neither a field nor a groom: what a capture reader has to say is the clearest answer.
-                let error = tousle_ingest::summarize(&bytes).err().map(anyhow::Error::from);
-                let error = error.unwrap_or_else(|| anyhow::anyhow!("the format is unknown"));
-                return Err(
-                    error.context(format!("{}: neither a field, nor a groom, nor a capture", cannot()))
-                );
-            }
-            Err(_) if tousle_ingest::read_session(&bytes).is_ok() => {
-                return Err(anyhow!(
-                    "found a session, expected a field, a capture or a groom (`tousle validate` checks sessions)"
-                ))
-                .with_context(cannot);
-            }
-            Err(error) => return Err(anyhow::Error::from(error).context(cannot())),
-        }
+        show(args.json, &groom(args, &bytes).with_context(cannot)?, groom_table)?;
     }
     Ok(Outcome::Fine)
+}
+
+/// What is in a groom, or what the file is instead.
+fn groom(args: &InspectArgs, bytes: &[u8]) -> anyhow::Result<GroomSummary> {
+    let other = |found: &str, advice: &str| {
+        anyhow!("found {found}, expected a field, a capture or a groom ({advice})")
+    };
+    if let Some((_, found)) = for_other_tools(bytes) {
+        return Err(other(found, "`tousle import` makes a field of wind in them"));
+    }
+    match by_hand::kind(bytes) {
+        Some("session") => return Err(other("a session", "`tousle validate` checks sessions")),
+        Some("edits") => return Err(other("edits", "`tousle validate` checks edits")),
+        _ => {}
+    }
+    let mut options = GroomOptions::default();
+    options.unit = args.groom_unit;
+    options.up_axis = args.groom_up;
+    let summary = tousle_groom::inspect_groom(bytes, &options);
+    if let Err(GroomReadError::UnknownFormat { .. }) = summary {
+        // Neither a field nor a groom: what a capture reader has to say is the clearest answer.
+        let error = tousle_ingest::summarize(bytes).err().map(anyhow::Error::from);
+        let error = error.unwrap_or_else(|| anyhow!("the format is unknown"));
+        return Err(error.context("the file is neither a field, nor a groom, nor a capture"));
+    }
+    no_capture_options(args, "the file is a groom; its unit and its axes are --groom-unit and --groom-up")?;
+    Ok(summary?)
+}
+
+/// Refuses options that say how a capture is read.
+fn no_capture_options(args: &InspectArgs, why: &str) -> anyhow::Result<()> {
+    only_with("a capture", why, &read_options_given(args))?;
+    only_with("a capture", why, &[("--session", args.session.is_some())])
+}
+
+/// Refuses options that say how a groom is read.
+fn no_groom_options(args: &InspectArgs, why: &str) -> anyhow::Result<()> {
+    let given = [("--groom-unit", args.groom_unit.is_some()), ("--groom-up", args.groom_up.is_some())];
+    only_with("a groom", why, &given)
+}
+
+fn read_options_given(args: &InspectArgs) -> [(&'static str, bool); 3] {
+    let ReadArgs { unit, subject, allow_cut } = &args.read;
+    [("--unit", unit.is_some()), ("--subject", subject.is_some()), ("--allow-cut", *allow_cut)]
 }
 
 fn show<T: serde::Serialize>(json: bool, summary: &T, table: impl Fn(&T) -> String) -> anyhow::Result<()> {

@@ -1,9 +1,7 @@
-use super::{check_output, name, print_json, write_options};
+use super::{check_output, name, open_field, print_json, write_options};
 use crate::args::{MergeArgs, SpanArg};
 use crate::ui::Outcome;
-use anyhow::Context;
 use std::fmt::Write;
-use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use tousle_merge::{MergeOptions, MergeReport, Span};
@@ -22,8 +20,7 @@ pub fn run(args: &MergeArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let offsets = args.offset_secs.iter().copied().chain(std::iter::repeat(0.0));
     let mut sources = Vec::new();
     for ((path, name), offset_secs) in args.fields.iter().zip(&names).zip(offsets) {
-        let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
-        sources.push(MergeSource { name, input: BufReader::new(file), offset_secs });
+        sources.push(MergeSource { name, input: BufReader::new(open_field(path)?), offset_secs });
     }
     let (report, written) = write_whole(&args.output, |out| {
         tousle_pipeline::merge(sources, out, &options(args), encoding, args.pack.preview, watch)

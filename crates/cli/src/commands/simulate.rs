@@ -3,13 +3,11 @@ mod guided;
 mod head;
 mod resume;
 
-use super::{check_outputs, ending, only_with, print_json, read_groom_and_numbers, unusable};
+use super::{check_outputs, ending, only_with, open_field, print_json, read_groom_and_numbers, unusable};
 use crate::args::{ShapeArg, SimulateArgs};
 use crate::ui::{Outcome, WrongArgument};
-use anyhow::Context;
 use guided::Simulated;
 use resume::Resumable;
-use std::fs::File;
 use std::io::{Seek, Write};
 use std::path::Path;
 use tousle_core::{Groom, Quantity, StrandMotion};
@@ -115,8 +113,7 @@ struct Asked {
 
 fn read_field(args: &SimulateArgs) -> anyhow::Result<Asked> {
     let path = &args.field;
-    let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let mut reader = Reader::open(file).map_err(|e| unusable(e, path))?;
+    let mut reader = Reader::open(open_field(path)?).map_err(|e| unusable(e, path))?;
     let info = &reader.manifest().field;
     let options = options(args, info.quantity.into())?;
     let mut part = Part::default().without_deviations();

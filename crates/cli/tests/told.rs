@@ -1,0 +1,74 @@
+//! What is told: of files that a command is not for, of damage, of motion, in which unit.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod common;
+
+use common::Room;
+
+/// A field that cannot be used is named, not the output, and where it was cut, so is what saves the rest.
+#[test]
+fn a_cut_field_is_named_and_what_saves_it() {
+    let room = Room::with_field();
+    let bytes = room.read("f.eff.mcap");
+    room.write("cut.eff.mcap", &bytes[..bytes.len() / 2]);
+    let before = room.files();
+    for words in [
+        "migrate cut.eff.mcap -o g.eff.mcap",
+        "export cut.eff.mcap -o g.npz",
+        "simulate cut.eff.mcap --groom bob.json -o g.npz",
+    ] {
+        let run = room.run(words).ended(1);
+        run.says(&["cannot use the field cut.eff.mcap", "`tousle recover` saves the whole steps"]);
+    }
+    room.run("inspect cut.eff.mcap").ended(1).says(&["cannot inspect cut.eff.mcap (`tousle recover` saves"]);
+    let run = room.run("validate cut.eff.mcap").ended(1);
+    assert!(run.out.contains("`tousle recover` saves the whole steps"), "{}", run.out);
+    // There is nothing to be saved of what is no field.
+    for command in ["recover", "migrate"] {
+        let run = room.run(&format!("{command} bob.json -o g.eff.mcap")).ended(1);
+        let run = run.says(&["cannot use the field bob.json (`tousle validate` lists all that is wrong)"]);
+        assert!(!run.err.contains("tousle recover"), "{}", run.err);
+    }
+    room.run("merge cut.eff.mcap f.eff.mcap -o g.eff.mcap").ended(1).says(&["the field cut.eff.mcap"]);
+    assert_eq!(room.files(), before);
+}
+
+/// What `validate` and `inspect` are not for they tell, and which command is.
+#[test]
+fn a_file_for_another_command_is_told_which() {
+    let room = Room::with_field();
+    room.run("export f.eff.mcap -o f.npz").ended(0);
+    room.run("export f.eff.mcap -o f.vdb").ended(0);
+    for (file, kind, found, command) in [
+        ("gusts.c3d", "capture", "a capture (C3D)", "`tousle inspect`"),
+        ("f.npz", "npz", "NumPy arrays (.npz)", "`tousle import`"),
+        ("f.0000.vdb", "vdb", "OpenVDB grids (.vdb)", "`tousle import`"),
+    ] {
+        let told = room.run(&format!("validate {file} --json")).ended(1).out;
+        let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+        assert_eq!((&told[0]["kind"], &told[0]["is_sound"]), (&kind.into(), &false.into()));
+        let message = told[0]["findings"][0]["message"].as_str().unwrap();
+        assert!(
+            message.contains(&format!("found {found}, expected")) && message.contains(command),
+            "{message}"
+        );
+        if kind != "capture" {
+            room.run(&format!("inspect {file}")).ended(1).says(&[found, command]);
+        }
+    }
+    room.run("inspect lift.toml").ended(1).says(&["found edits", "`tousle validate` checks edits"]);
+    room.run("inspect session.json").ended(1).says(&["found a session", "`tousle validate` checks sessions"]);
+}
+
+/// A pipe can be read once, from its beginning to its end: some can do with that, the others say so.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_pipe_is_read_or_refused() {
+    let room = Room::with_field();
+    let run = room.shell("$TOUSLE validate <(cat f.eff.mcap) <(cat lift.toml)").ended(0);
+    assert_eq!(run.out.matches(": sound").count(), 2, "{}", run.out);
+    let refused = ["found a pipe, expected a file that can be read in any order"];
+    room.shell("$TOUSLE simulate <(cat f.eff.mcap) --groom bob.json -o m.npz").ended(1).says(&refused);
+    room.shell("$TOUSLE merge f.eff.mcap <(cat f.eff.mcap) -o g.eff.mcap").ended(1).says(&refused);
+}
