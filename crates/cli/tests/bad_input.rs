@@ -313,6 +313,7 @@ fn wrong_words_are_exit_code_2() {
         "--rate-hz 0",
         "--dt-secs -1",
         "--integrator rk4 --dt-secs 0.01",
+        "--resume=0",
         "--method physical --integrator exponential",
     ] {
         room.run(&format!("simulate f.eff.mcap --groom bob.json -o m.npz {words}")).ended(2);
@@ -415,6 +416,10 @@ fn options_that_do_nothing_say_what_they_need() {
         ("import w.npz --session session.json -o g.eff.mcap --grid vel".to_owned(), ".vdb files"),
         ("import w.npz --session session.json -o g.eff.mcap --rate-hz 30".to_owned(), ".vdb files"),
         ("merge f.eff.mcap f.eff.mcap -o g.eff.mcap --max-error 1".to_owned(), "--encoding"),
+        ("bench --part file --quick --captures .".to_owned(), "--part wind"),
+        ("bench --part wind --quick".to_owned(), "--captures"),
+        ("bench --part sim --field f.eff.mcap".to_owned(), "--part file"),
+        ("bench --part file --captures .".to_owned(), "a part beside --part file"),
         ("bench sim --part order --captures .".to_owned(), "--part truth"),
         ("bench sim --part order --torso-grip torso".to_owned(), "--captures"),
         ("bench sim --part truth".to_owned(), "--captures"),

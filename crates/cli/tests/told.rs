@@ -6,6 +6,12 @@ mod common;
 
 use common::Room;
 
+#[test]
+fn the_help_says_what_it_is_for() {
+    let run = Room::new().run("--help").ended(0);
+    assert!(run.out.starts_with("Hair in the wind, measured once"), "{}", run.out);
+}
+
 /// A field that cannot be used is named, not the output, and where it was cut, so is what saves the rest.
 #[test]
 fn a_cut_field_is_named_and_what_saves_it() {
@@ -71,4 +77,34 @@ fn a_pipe_is_read_or_refused() {
     let refused = ["found a pipe, expected a file that can be read in any order"];
     room.shell("$TOUSLE simulate <(cat f.eff.mcap) --groom bob.json -o m.npz").ended(1).says(&refused);
     room.shell("$TOUSLE merge f.eff.mcap <(cat f.eff.mcap) -o g.eff.mcap").ended(1).says(&refused);
+}
+
+/// Any name that the system has is one.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_head_of_any_name() {
+    let room = Room::with_field();
+    let prim = "#usda 1.0\n( upAxis = \"Z\" metersPerUnit = 1 )\ndef Xform \"Head\" {\n\
+                double3 xformOp:translate.timeSamples = { 0: (0, 0, 1.6), 24: (0, 0, 1.6) }\n\
+                uniform token[] xformOpOrder = [\"xformOp:translate\"]\n}\n";
+    room.write("head.usda", prim);
+    let simulate = "$TOUSLE simulate f.eff.mcap --groom bob.json --duration-secs 0.1";
+    let line = format!("mv head.usda $'h\\xff.usda' && {simulate} --head $'h\\xff.usda:/Head' -o m.npz");
+    room.shell(&line).ended(0);
+}
+
+/// What a `--time` is about is not in the motion: it is warned of, and does nothing.
+#[test]
+fn a_time_that_changes_nothing_is_warned_of() {
+    let room = Room::with_field();
+    let simulate = "simulate f.eff.mcap --groom bob.json";
+    room.run(&format!("{simulate} -o once.npz")).ended(0);
+    let run = room.run(&format!("{simulate} --time hold -o hold.npz")).ended(0);
+    run.says(&["warning: --time hold: found a motion that ends at 3.967 s", "--duration-secs"]);
+    assert!(room.read("once.npz") == room.read("hold.npz"));
+    room.run(&format!("{simulate} --time loop --duration-secs 1 -o m.npz"))
+        .ended(0)
+        .says(&["warning: --time"]);
+    let run = room.run(&format!("{simulate} --time hold --duration-secs 4.2 -o m.npz")).ended(0);
+    assert_eq!(run.err, "");
 }

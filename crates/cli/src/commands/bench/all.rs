@@ -2,6 +2,7 @@
 
 use super::{make_folder, part, write_report, write_text};
 use crate::args::{BenchAllArgs, BenchPaperArgs, BenchPart, BenchSimArgs, BenchWindArgs};
+use crate::commands::only_with;
 use crate::ui::{Outcome, error_lines};
 use anyhow::ensure;
 use clap::ValueEnum;
@@ -38,6 +39,16 @@ fn chosen(args: &BenchAllArgs) -> anyhow::Result<Vec<BenchPart>> {
         wrong!("--part {}: found no --captures, expected a folder of captures", part.name());
     }
     let is_asked_for = |part: &BenchPart| args.parts.is_empty() || args.parts.contains(part);
+    if !is_asked_for(&BenchPart::File) {
+        only_with("--part file", "no other part takes fields", &[("--field", !args.fields.is_empty())])?;
+    }
+    if !is_asked_for(&BenchPart::Wind) {
+        only_with("--part wind", "no other part has a quick way", &[("--quick", args.quick)])?;
+    }
+    if !args.parts.is_empty() && args.parts.iter().all(|part| *part == BenchPart::File) {
+        let given = [("--captures", args.captures.is_some())];
+        only_with("a part beside --part file", "that one looks at no captures", &given)?;
+    }
     Ok(BenchPart::value_variants().iter().copied().filter(is_asked_for).collect())
 }
 
