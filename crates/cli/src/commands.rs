@@ -20,6 +20,7 @@ use crate::args::{EncodingArg, GroomArgs, PackArgs, ReadArgs};
 use anyhow::{Context, anyhow};
 use output::{check_output, check_outputs, ending};
 use serde::Serialize;
+use std::fmt::Display;
 use std::fs::File;
 use std::io::Seek;
 use std::path::Path;
@@ -33,6 +34,12 @@ use tousle_pipeline::{Outputs, Watch, read_file};
 /// The name of a file, for messages.
 fn name(path: &Path) -> String {
     path.display().to_string()
+}
+
+/// So many of something, for people: `1 pose`, `2 poses`.
+fn counted<N: Copy + Display + PartialEq + From<u8>>(n: N, what: &str) -> String {
+    let plural = if n == N::from(1) { "" } else { "s" };
+    format!("{n} {what}{plural}")
 }
 
 /// Refuses an option that was given and does nothing, as it needs another one beside it. `why`: what it is for.
@@ -216,7 +223,8 @@ fn write_options(args: &PackArgs) -> anyhow::Result<WriteOptions> {
             wrong!("--max-error: found {max_error}, expected a number above 0")
         }
         (EncodingArg::Fixed, None) => wrong!("--encoding fixed: found no --max-error, expected one"),
-        (_, Some(_)) => wrong!("--max-error: found encoding {:?}, expected fixed", args.encoding),
+        (EncodingArg::F32, Some(_)) => wrong!("--max-error: found encoding f32, expected fixed"),
+        (EncodingArg::F16, Some(_)) => wrong!("--max-error: found encoding f16, expected fixed"),
         (EncodingArg::F32, None) => Encoding::F32,
         (EncodingArg::F16, None) => Encoding::F16,
     };

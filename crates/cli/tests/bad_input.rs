@@ -401,7 +401,7 @@ fn options_that_do_nothing_say_what_they_need() {
         (format!("{convert} --span-ms 100"), "--method paper"),
         (format!("{convert} --method paper --refine"), "--method physical"),
         (format!("{convert} --method paper --reading first-frame --span-ms 100"), "another --reading"),
-        (format!("{convert} --max-error 0.1"), "expected fixed"),
+        (format!("{convert} --max-error 0.1"), "found encoding f32, expected fixed"),
         (format!("{edit} --tolerance-mm 2"), "--method physical"),
         ("inspect gusts.c3d --allow-cut".to_owned(), "--session"),
         ("inspect gusts.c3d --groom-up Z".to_owned(), "a groom"),

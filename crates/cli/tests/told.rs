@@ -6,6 +6,9 @@ mod common;
 
 use common::Room;
 
+/// A field of one step, one pose, in voxels of 200 mm, of version 0.
+const SMALL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/eff/v0/good/small.eff.mcap");
+
 #[test]
 fn the_help_says_what_it_is_for() {
     let run = Room::new().run("--help").ended(0);
@@ -107,4 +110,39 @@ fn a_time_that_changes_nothing_is_warned_of() {
         .says(&["warning: --time"]);
     let run = room.run(&format!("{simulate} --time hold --duration-secs 4.2 -o m.npz")).ended(0);
     assert_eq!(run.err, "");
+}
+
+/// An edit that moves nothing is not said to move some strand by nothing.
+#[test]
+fn nothing_moved_is_said_so() {
+    let room = Room::with_field();
+    let edit = |field: &str, edits: &str| {
+        room.write("e.toml", edits);
+        room.run(&format!("edit {field} --groom bob.json --edits e.toml -o g.eff.mcap")).ended(0).out
+    };
+    let told = edit("f.eff.mcap", "version = 1\n");
+    assert!(told.contains("nothing moved") && !told.contains("0.00 mm"), "{told}");
+    room.run("edit f.eff.mcap --groom bob.json --edits lift.toml -o lifted.eff.mcap").ended(0);
+    let rename = "[[change]]\nkind = \"rename\"\nedit = \"lift-a-lock\"\nname = \"lifted\"\n";
+    let told = edit("lifted.eff.mcap", rename);
+    assert!(told.contains("nothing moved") && !told.contains("0.00 mm"), "{told}");
+}
+
+/// Lengths and strengths have units, one is one, and nothing has digits that nobody measured.
+#[test]
+fn numbers_are_told_with_their_units() {
+    let room = Room::with_field();
+    let told = room.run(&format!("inspect {SMALL}")).ended(0).out;
+    assert!(told.contains("voxels of 200 mm"), "{told}");
+    assert!(!told.contains(" 1 poses") && !told.contains(" 1 messages"), "{told}");
+    let told = room.run("inspect f.eff.mcap").ended(0).out;
+    assert!(told.contains(" m/s² in the mean where measured, "), "{told}");
+    let told = room.run("simulate f.eff.mcap --groom bob.json --duration-secs 0 -o m.npz").ended(0).out;
+    assert!(told.contains(" 1 frame;"), "{told}");
+    let told = room.run("edit f.eff.mcap --groom bob.json --edits lift.toml -o g.eff.mcap").ended(0).out;
+    assert!(!told.contains(" 1 handles"), "{told}");
+    let told = room.run("inspect f.eff.mcap --json").ended(0).out;
+    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+    let gravity = told["manifest"]["scene"]["gravity_world"].to_string();
+    assert_eq!(gravity, "[0.0,0.0,-9.80665]");
 }

@@ -1,12 +1,13 @@
 mod capture;
 
 use super::validate::by_hand;
-use super::{for_other_tools, is_damaged, only_with, print_json, quality, read_file};
+use super::{counted, for_other_tools, is_damaged, only_with, print_json, quality, read_file};
 use crate::args::{InspectArgs, ReadArgs};
 use crate::ui::Outcome;
 use anyhow::{Context, anyhow};
 use std::fmt::Write;
 use std::path::Path;
+use tousle_core::Quantity;
 use tousle_eff::Inspection;
 use tousle_eff::manifest::{EncodingInfo, EncodingName};
 use tousle_groom::{GroomOptions, GroomReadError, GroomSummary};
@@ -99,6 +100,7 @@ fn field_table(field: &Inspection) -> String {
     let mut text = String::new();
     let manifest = &field.manifest;
     let info = &manifest.field;
+    let unit = Quantity::from(info.quantity).unit();
     let [from, to] = field.field_span_secs;
     let coverage = &field.coverage;
     let percent = |share: f64| 100.0 * share;
@@ -108,7 +110,9 @@ fn field_table(field: &Inspection) -> String {
         manifest.name, manifest.method, manifest.generator
     );
     let _ = writeln!(text, "time       {from:.3} to {to:.3} s at {} Hz", info.rate_hz);
-    let _ = writeln!(text, "grid       {:?} voxels of {} mm", info.grid.dims, info.grid.edge_m * 1e3);
+    // To a nanometer: in meters most numbers of millimeters have no last digit.
+    let edge_mm = (info.grid.edge_m * 1e9).round() / 1e6;
+    let _ = writeln!(text, "grid       {:?} voxels of {edge_mm} mm", info.grid.dims);
     let _ = writeln!(
         text,
         "coverage   {:.1} % measured, {:.1} % interpolated, {:.1} % outside; {:.1} % measured at some time",
@@ -119,23 +123,24 @@ fn field_table(field: &Inspection) -> String {
     );
     let _ = writeln!(
         text,
-        "strength   {:.2} in the mean where measured, {:.2} at most",
+        "strength   {:.2} {unit} in the mean where measured, {:.2} {unit} at most",
         coverage.mean_measured_length, coverage.max_length
     );
     let encoding = &info.encoding;
-    let _ = writeln!(text, "packed     {}", packing(encoding));
+    let _ = writeln!(text, "packed     {}", packing(encoding, unit));
     if let Some(sd) = coverage.mean_sd {
-        let _ = writeln!(text, "sure to    {sd:.3} in the mean, where that is known");
+        let _ = writeln!(text, "sure to    {sd:.3} {unit} in the mean, where that is known");
     }
     let [from, to] = field.pose_span_secs;
-    let _ = writeln!(text, "head       {} poses, {from:.3} to {to:.3} s", manifest.pose.n_poses);
+    let _ = writeln!(text, "head       {}, {from:.3} to {to:.3} s", counted(manifest.pose.n_poses, "pose"));
     for layer in &field.layers {
         let _ = writeln!(text, "edit       {layer}");
     }
     for channel in &field.channels {
         let kilobytes = channel.n_bytes as f64 / 1e3;
         let (topic, n) = (&channel.topic, channel.n_messages);
-        let _ = writeln!(text, "channel    {topic:<14} {n:>6} messages, {kilobytes:>10.1} kB unpacked");
+        let messages = if n == 1 { "message," } else { "messages," };
+        let _ = writeln!(text, "channel    {topic:<14} {n:>6} {messages:<9} {kilobytes:>10.1} kB unpacked");
     }
     for (name, n_bytes) in &field.attachments {
         let _ = writeln!(text, "attached   {name} ({n_bytes} bytes)");
@@ -171,11 +176,11 @@ fn groom_table(groom: &GroomSummary) -> String {
 }
 
 /// How the vectors are packed, and what that loses.
-fn packing(encoding: &EncodingInfo) -> String {
+fn packing(encoding: &EncodingInfo, unit: &str) -> String {
     let (absolute, relative) = (encoding.max_absolute_error, encoding.max_relative_error);
     match encoding.kind {
         EncodingName::F32 => "f32, nothing lost".to_owned(),
         EncodingName::F16 => format!("f16, at most {:.2} % off", 100.0 * relative),
-        EncodingName::Fixed => format!("fixed, at most {absolute} off"),
+        EncodingName::Fixed => format!("fixed, at most {absolute} {unit} off"),
     }
 }

@@ -3,7 +3,9 @@ mod guided;
 mod head;
 mod resume;
 
-use super::{check_outputs, ending, only_with, open_field, print_json, read_groom_and_numbers, unusable};
+use super::{
+    check_outputs, counted, ending, only_with, open_field, print_json, read_groom_and_numbers, unusable,
+};
 use crate::args::{ShapeArg, SimulateArgs};
 use crate::ui::{Outcome, WrongArgument};
 use guided::Simulated;
@@ -206,8 +208,10 @@ fn summary(simulated: &Simulated, explain: bool) -> String {
     let (n_strands, n_points, n_frames) = (motion.counts.len(), motion.n_points(), motion.times_secs.len());
     let _ = writeln!(
         text,
-        "{n_strands} strands, {n_points} control points, {n_frames} frames; {} (order {}) in {} strand steps of {}{:.3} ms; \
+        "{}, {n_points} control points, {}; {} (order {}) in {} strand steps of {}{:.3} ms; \
          stretch at most {:.4} %",
+        counted(n_strands, "strand"),
+        counted(n_frames, "frame"),
         report.integrator.name(),
         report.order,
         report.n_steps,

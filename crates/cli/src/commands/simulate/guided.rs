@@ -2,6 +2,7 @@
 
 use super::resume::Resumable;
 use crate::args::SimulateArgs;
+use crate::commands::counted;
 use serde::Serialize;
 use std::fmt;
 use tousle_core::{Groom, Pose, StrandMotion};
@@ -118,7 +119,9 @@ pub fn simulate(
 
 impl fmt::Display for GuideReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} guides simulated, {} strands follow; ", self.n_guides, self.n_following)?;
+        write!(f, "{} simulated, ", counted(self.n_guides, "guide"))?;
+        let follow = if self.n_following == 1 { "follows" } else { "follow" };
+        write!(f, "{} {follow}; ", counted(self.n_following, "strand"))?;
         match &self.error {
             None => write!(f, "how well was not looked at (--guides-check 0)"),
             Some(error) => write!(
