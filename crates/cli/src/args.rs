@@ -17,7 +17,7 @@ use values::{parse_above_zero, parse_axis, parse_edit_method, parse_finite, pars
 
 /// Hair in the wind, measured once, worn by any hairstyle.
 #[derive(Debug, Parser)]
-#[command(name = "tousle", version, about, max_term_width = 110)]
+#[command(name = "tousle", version, max_term_width = 110)]
 #[command(after_help = "Exit codes: 0 fine, 1 failed or invalid, 2 wrong arguments, 3 finished with loss.")]
 pub struct Cli {
     /// What to do.

@@ -20,9 +20,12 @@ use crate::args::{EncodingArg, GroomArgs, PackArgs, ReadArgs};
 use anyhow::{Context, anyhow};
 use output::{check_output, check_outputs, ending};
 use serde::Serialize;
+use std::fmt::Display;
+use std::fs::File;
+use std::io::Seek;
 use std::path::Path;
 use tousle_core::Groom;
-use tousle_eff::{Eff, EffError, Encoding, Loss, ReadOptions, WriteOptions, WriteReport};
+use tousle_eff::{Code, Eff, EffError, Encoding, Loss, ReadOptions, WriteOptions, WriteReport};
 use tousle_field::{GridSpec, Scene};
 use tousle_groom::{GroomOptions, GroomReadError, HeadShape, Placement, ReadGroom};
 use tousle_ingest::IngestOptions;
@@ -33,12 +36,49 @@ fn name(path: &Path) -> String {
     path.display().to_string()
 }
 
+/// So many of something, for people: `1 pose`, `2 poses`.
+fn counted<N: Copy + Display + PartialEq + From<u8>>(n: N, what: &str) -> String {
+    let plural = if n == N::from(1) { "" } else { "s" };
+    format!("{n} {what}{plural}")
+}
+
 /// Refuses an option that was given and does nothing, as it needs another one beside it. `why`: what it is for.
 fn only_with(needs: &str, why: &str, options: &[(&str, bool)]) -> anyhow::Result<()> {
     if let Some((option, _)) = options.iter().find(|(_, is_given)| *is_given) {
         wrong!("{option}: found without {needs}, expected with it: {why}");
     }
     Ok(())
+}
+
+/// What bytes are that other tools take, for programs and in words: `import` takes wind in them.
+fn for_other_tools(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+    if bytes.starts_with(b" BDV") {
+        Some(("vdb", "OpenVDB grids (.vdb)"))
+    } else if first_in_zip(bytes).is_some_and(|name| name.ends_with(b".npy")) {
+        Some(("npz", "NumPy arrays (.npz)"))
+    } else {
+        None
+    }
+}
+
+/// The name of the first file in a zip archive.
+fn first_in_zip(bytes: &[u8]) -> Option<&[u8]> {
+    let header = bytes.strip_prefix(b"PK\x03\x04")?;
+    let n_bytes = u16::from_le_bytes([*header.get(22)?, *header.get(23)?]);
+    header.get(26..26 + usize::from(n_bytes))
+}
+
+/// Opens a field file of which steps are read in any order.
+fn open_field(path: &Path) -> anyhow::Result<File> {
+    let mut file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
+    // A pipe has no place in it.
+    file.stream_position().with_context(|| {
+        format!(
+            "cannot use the field {}: found a pipe, expected a file that can be read in any order",
+            path.display()
+        )
+    })?;
+    Ok(file)
 }
 
 /// Reads a sound field file.
@@ -53,16 +93,33 @@ fn sound_eff(bytes: &[u8], path: &Path) -> anyhow::Result<Eff> {
 
 /// Why a field file cannot be used.
 fn unusable(error: EffError, path: &Path) -> anyhow::Error {
-    anyhow!(error).context(format!(
-        "cannot use the field {} (`tousle validate` lists all that is wrong)",
-        path.display()
-    ))
+    let saved = if is_damaged(&error) { ", `tousle recover` saves the whole steps" } else { "" };
+    let says =
+        format!("cannot use the field {} (`tousle validate` lists all that is wrong{saved})", name(path));
+    anyhow!(error).context(says)
+}
+
+/// Why a field file cannot be written again: what is wrong with it is said of it, and what keeps the output from being written
+/// of that.
+fn not_copied(error: EffError, path: &Path) -> anyhow::Error {
+    if matches!(error, EffError::Unsound(_)) { unusable(error, path) } else { error.into() }
+}
+
+/// Whether a field file was cut off or changed by nobody who writes fields.
+fn is_damaged(error: &EffError) -> bool {
+    matches!(error, EffError::Unsound(finding) if is_damage(finding.code))
+}
+
+/// Whether a finding is of bytes that were sound once.
+fn is_damage(code: Code) -> bool {
+    use Code::{AttachmentCrc, ChunkCrc, Compression, Cut, DataCrc, Record, SummaryCrc};
+    matches!(code, AttachmentCrc | ChunkCrc | Compression | Cut | DataCrc | Record | SummaryCrc)
 }
 
 /// Says on stderr what is not in a field that was written again.
 fn say_losses(losses: &[Loss]) {
     for loss in losses {
-        eprintln!("loss: {}: {}", loss.what, loss.why);
+        note!("loss: {}: {}", loss.what, loss.why);
     }
 }
 
@@ -84,7 +141,7 @@ fn read_groom_and_numbers(
     options.forward = args.groom_forward;
     if args.fit_to_head {
         if args.groom_unit.is_some() {
-            eprintln!(
+            note!(
                 "warning: --groom-unit does nothing beside --fit-to-head, which finds the scale whatever the unit"
             );
         }
@@ -98,11 +155,11 @@ fn read_groom_and_numbers(
         anyhow!(error).context(format!("cannot use the groom {}{hint}", path.display()))
     })?;
     for warning in &read.warnings {
-        eprintln!("warning: {}: {warning}", path.display());
+        note!("warning: {}: {warning}", path.display());
     }
     let roots = read.groom.strands.iter().map(|s| s.rest_curve_m[0]);
     if !roots.into_iter().any(|root| grid.contains(root)) {
-        eprintln!(
+        note!(
             "warning: {}: no root lies in the field's box about the head: --groom-unit, --groom-up or --fit-to-head \
              may be what is missing",
             path.display()
@@ -173,7 +230,8 @@ fn write_options(args: &PackArgs) -> anyhow::Result<WriteOptions> {
             wrong!("--max-error: found {max_error}, expected a number above 0")
         }
         (EncodingArg::Fixed, None) => wrong!("--encoding fixed: found no --max-error, expected one"),
-        (_, Some(_)) => wrong!("--max-error: found encoding {:?}, expected fixed", args.encoding),
+        (EncodingArg::F32, Some(_)) => wrong!("--max-error: found encoding f32, expected fixed"),
+        (EncodingArg::F16, Some(_)) => wrong!("--max-error: found encoding f16, expected fixed"),
         (EncodingArg::F32, None) => Encoding::F32,
         (EncodingArg::F16, None) => Encoding::F16,
     };

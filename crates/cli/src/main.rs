@@ -1,6 +1,12 @@
 //! The commands. `tousle help` lists them; DESIGN of their contract: exit codes 0 fine, 1 failed or invalid,
 //! 2 wrong arguments, 3 finished with loss; results on stdout, diagnostics on stderr.
 
+#![warn(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "they panic where nobody listens; `say!` and `note!` do not"
+)]
+
 #[macro_use]
 mod ui;
 mod args;

@@ -92,9 +92,19 @@ pub fn all_said(outcome: Outcome) -> anyhow::Result<Outcome> {
     }
 }
 
+/// Says a line on stderr. If nobody listens there, nobody can be told of it either: the command goes on.
+pub fn note(words: fmt::Arguments<'_>) {
+    let _ = writeln!(io::stderr(), "{words}");
+}
+
+/// `eprintln!` with [`note`].
+macro_rules! note {
+    ($($words:tt)*) => { $crate::ui::note(format_args!($($words)*)) };
+}
+
 /// Says on stderr what failed and why.
 pub fn print_error(error: &anyhow::Error) {
-    eprintln!("error: {}", error_lines(error));
+    note!("error: {}", error_lines(error));
 }
 
 /// What failed and, line by line, why.

@@ -313,6 +313,7 @@ fn wrong_words_are_exit_code_2() {
         "--rate-hz 0",
         "--dt-secs -1",
         "--integrator rk4 --dt-secs 0.01",
+        "--resume=0",
         "--method physical --integrator exponential",
     ] {
         room.run(&format!("simulate f.eff.mcap --groom bob.json -o m.npz {words}")).ended(2);
@@ -400,16 +401,25 @@ fn options_that_do_nothing_say_what_they_need() {
         (format!("{convert} --span-ms 100"), "--method paper"),
         (format!("{convert} --method paper --refine"), "--method physical"),
         (format!("{convert} --method paper --reading first-frame --span-ms 100"), "another --reading"),
-        (format!("{convert} --max-error 0.1"), "expected fixed"),
+        (format!("{convert} --max-error 0.1"), "found encoding f32, expected fixed"),
         (format!("{edit} --tolerance-mm 2"), "--method physical"),
         ("inspect gusts.c3d --allow-cut".to_owned(), "--session"),
         ("inspect gusts.c3d --groom-up Z".to_owned(), "a groom"),
         ("inspect f.eff.mcap --groom-unit mm".to_owned(), "a groom"),
         ("inspect f.eff.mcap --session session.json".to_owned(), "a capture"),
+        (
+            "inspect bob.json --unit mm".to_owned(),
+            "the file is a groom; its unit and its axes are --groom-unit",
+        ),
+        ("inspect bob.json --session session.json".to_owned(), "a capture"),
         ("import w.vdb --session session.json -o g.eff.mcap --extent-mm 500".to_owned(), "a .npz file"),
         ("import w.npz --session session.json -o g.eff.mcap --grid vel".to_owned(), ".vdb files"),
         ("import w.npz --session session.json -o g.eff.mcap --rate-hz 30".to_owned(), ".vdb files"),
         ("merge f.eff.mcap f.eff.mcap -o g.eff.mcap --max-error 1".to_owned(), "--encoding"),
+        ("bench --part file --quick --captures .".to_owned(), "--part wind"),
+        ("bench --part wind --quick".to_owned(), "--captures"),
+        ("bench --part sim --field f.eff.mcap".to_owned(), "--part file"),
+        ("bench --part file --captures .".to_owned(), "a part beside --part file"),
         ("bench sim --part order --captures .".to_owned(), "--part truth"),
         ("bench sim --part order --torso-grip torso".to_owned(), "--captures"),
         ("bench sim --part truth".to_owned(), "--captures"),
@@ -432,6 +442,27 @@ fn a_stdout_that_takes_no_more() {
     run.ended(1).says(&["cannot write to the standard output"]);
     let run = room.shell("\"$TOUSLE\" inspect f.eff.mcap --json | true; exit ${PIPESTATUS[0]}").ended(0);
     assert_eq!(run.err, "");
+}
+
+/// Where nobody hears what is said on stderr, the work is done as ever and the exit code says how it ended.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_stderr_that_takes_no_more() {
+    let room = Room::with_field();
+    let lift = String::from_utf8(room.read("lift.toml")).unwrap();
+    room.write("far.toml", lift.replace("[0.05, -0.05, 0.08]", "[0, 0, 9]"));
+    for (code, words) in [
+        (0, "simulate f.eff.mcap --groom bob.json -o m.npz --duration-secs 0.1 --guides 1000"),
+        (1, "inspect nowhere"),
+        (2, "validate --nothing"),
+        (2, "inspect gusts.c3d --report q.json"),
+        (3, "edit f.eff.mcap --groom bob.json --edits far.toml -o g.eff.mcap"),
+    ] {
+        assert!(!room.run(words).ended(code).err.is_empty(), "{words}");
+        room.shell(&format!("$TOUSLE {words} 2> /dev/full")).ended(code);
+        room.shell(&format!("$TOUSLE {words} 2>&1 | true; exit ${{PIPESTATUS[0]}}")).ended(code);
+    }
+    assert!(room.path("m.npz").exists() && room.path("g.eff.mcap").exists());
 }
 
 #[test]

@@ -13,7 +13,8 @@ fn the_whole_road() {
     let room = Room::new();
     room.run("convert gusts.c3d --method paper --session session.json -o f.eff.mcap --voxel-mm 50").ended(0);
     let validation = room.run("validate f.eff.mcap --json").ended(0);
-    assert!(validation.out.contains("\"is_sound\": true"), "{}", validation.out);
+    let validation: serde_json::Value = serde_json::from_str(&validation.out).unwrap();
+    assert_eq!((&validation[0]["kind"], &validation[0]["is_sound"]), (&"field".into(), &true.into()));
 
     let field = room.run("inspect f.eff.mcap --json").ended(0);
     let field: serde_json::Value = serde_json::from_str(&field.out).unwrap();
@@ -308,6 +309,7 @@ fn files_that_people_write_are_validated() {
         (Some("session"), Some(true))
     );
     assert_eq!(whats(2), ["edit[0]"], "{}", run.out);
+    assert!(verdicts.as_array().unwrap().iter().all(|verdict| verdict["n_more"] == 0), "{}", run.out);
 }
 
 #[test]

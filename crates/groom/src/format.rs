@@ -100,7 +100,7 @@ fn known_but_not_read(bytes: &[u8]) -> Option<GroomReadError> {
     let (found, advice) = if bytes.starts_with(b"PXR-USDC") {
         ("binary USD (usdc)", "write it as text with `usdcat FILE -o FILE.usda`")
     } else if bytes.starts_with(b"PK\x03\x04") {
-        ("a zip archive (usdz?)", "unpack it and write its layer as text with `usdcat`")
+        ("a zip archive (.usdz? .npz?)", "of a .usdz: unpack it and write its layer as text with `usdcat`")
     } else if bytes.starts_with(b"\x89HDF") {
         ("Alembic in HDF5", "write it again with a newer Alembic (Ogawa), or export the curves as .usda")
     } else {

@@ -1,9 +1,12 @@
 //! The editor's window: `tousle-studio FIELD --groom GROOM`, which `tousle studio` runs too.
 
+#![warn(clippy::print_stdout, clippy::print_stderr, reason = "they panic where nobody listens")]
+
 use anyhow::{anyhow, bail};
 use clap::Parser;
 use eframe::egui::ViewportBuilder;
 use eframe::egui_wgpu::{WgpuError, WgpuSetup};
+use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use tousle_core::Axis;
@@ -38,13 +41,17 @@ fn main() -> ExitCode {
     match run(Args::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
-            for cause in error.chain().skip(1) {
-                eprintln!("  because {cause}");
-            }
+            // Where nobody listens the exit code says it alone.
+            let _ = say(&error, io::stderr());
             ExitCode::FAILURE
         }
     }
+}
+
+/// What failed and, line by line, why.
+fn say(error: &anyhow::Error, mut out: impl Write) -> io::Result<()> {
+    writeln!(out, "error: {error}")?;
+    error.chain().skip(1).try_for_each(|cause| writeln!(out, "  because {cause}"))
 }
 
 fn run(args: Args) -> anyhow::Result<()> {

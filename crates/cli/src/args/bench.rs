@@ -48,7 +48,7 @@ pub struct BenchAllArgs {
     #[arg(long = "part", value_enum, value_name = "PART")]
     pub parts: Vec<BenchPart>,
     /// Of the part `wind` only both methods as they are by default, and the closed loop.
-    #[arg(long)]
+    #[arg(long, requires = "captures")]
     pub quick: bool,
     /// The folder for tables, plots and pages (CSV, SVG, HTML) [default: tousle-bench].
     #[arg(short, long, value_name = "DIR")]

@@ -64,7 +64,7 @@ pub struct SimulateArgs {
     /// (T,3,3), `p` (T,3), so that world = R head + p, at even times; or an animated transform in .usda: the prim behind the
     /// colon, or the only one that is animated.
     #[arg(long, value_name = "POSES.npz|FILE.usda[:/PRIM]")]
-    pub head: Option<String>,
+    pub head: Option<PathBuf>,
     /// The head's own axes in its USD prim: up and where the nose points [default: up as the stage; nose Z where Y
     /// is up, X where Z is up].
     #[arg(long, value_parser = parse_head_axes, value_name = "UP,NOSE", requires = "head", allow_hyphen_values = true)]
@@ -92,8 +92,8 @@ pub struct SimulateArgs {
     /// For long runs: keep what is done in a folder .OUT.resume beside the (first) output, strands after strands. If the
     /// run is stopped, the same command goes on from there and gives the same bytes. N: strands that run before they
     /// are kept [default: some seconds' work].
-    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "0")]
-    pub resume: Option<u32>,
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, value_parser = clap::value_parser!(u32).range(1..))]
+    pub resume: Option<Option<u32>>,
     /// How strands are drawn in a .usda output [default: curves].
     #[arg(long, value_enum, value_name = "SHAPE")]
     pub shape: Option<ShapeArg>,

@@ -1,7 +1,9 @@
 mod summary;
 
 use self::summary::summary;
-use super::{add_eff, check_output, name, only_with, print_json, quality, read_options, write_options};
+use super::{
+    add_eff, check_output, counted, name, only_with, print_json, quality, read_options, write_options,
+};
 use crate::args::{ConvertArgs, MethodArg, ReadingArg};
 use crate::ui::Outcome;
 use tousle_clean::CleanOptions;
@@ -35,14 +37,14 @@ pub fn run(args: &ConvertArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     } else {
         say!("{}", summary(report));
         sayln!(
-            "wrote {} ({} steps, {:.1} MB)",
+            "wrote {} ({}, {:.1} MB)",
             args.output.display(),
-            written.n_steps,
+            counted(written.n_steps, "step"),
             written.n_bytes as f64 / 1e6
         );
     }
     for loss in &report.losses {
-        eprintln!("loss: {loss}");
+        note!("loss: {loss}");
     }
     Ok(if report.losses.is_empty() { Outcome::Fine } else { Outcome::WithLoss })
 }

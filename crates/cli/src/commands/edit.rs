@@ -1,4 +1,4 @@
-use super::{check_output, only_with, print_json, read_groom, sound_eff};
+use super::{check_output, counted, only_with, print_json, read_groom, sound_eff};
 use crate::args::EditArgs;
 use crate::ui::Outcome;
 use anyhow::Context;
@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::io::Cursor;
 use tousle_core::Quantity;
 use tousle_direct::{DirectOptions, DirectReport, EditMethod, Made, Stage, apply};
-use tousle_edit::{EditEffects, EditList, StackChange, Under};
+use tousle_edit::{EditEffects, EditList, Moved, StackChange, Under};
 use tousle_field::{FieldLayer, FieldSequence, LayerOrigin};
 use tousle_pipeline::{Watch, read_file, write_whole};
 use tousle_sim::{Method, SimOptions, Simulator};
@@ -59,7 +59,7 @@ pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     if args.json {
         print_json(&report)?;
     } else {
-        say!("{}", summary(&report, &directed.stack));
+        say!("{}", summary(&report, &directed.stack, field.quantity));
         sayln!("wrote {}", args.output.display());
     }
     Ok(losses(&report, direct.tolerance_m * 1e3))
@@ -69,7 +69,7 @@ pub fn run(args: &EditArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
 fn warn_of_nothing(args: &EditArgs, field: &FieldSequence, edits: &EditList, stack: &[FieldLayer]) {
     let file = args.edits.display();
     if edits.changes.is_empty() && edits.winds.is_empty() && edits.edits.is_empty() {
-        eprintln!(
+        note!(
             "warning: {file}: found no edits, expected [[edit]], [[wind]] or [[change]]: the field is written as it was"
         );
     }
@@ -80,10 +80,13 @@ fn warn_of_nothing(args: &EditArgs, field: &FieldSequence, edits: &EditList, sta
     let (start, end) = (field.start_secs, field.end_secs());
     for layer in stack.iter().filter(|layer| !field.layers.contains(layer)) {
         if layer.first_secs >= end || layer.last_secs <= start {
-            eprintln!(
+            note!(
                 "warning: {file}: layer {:?} ({:?}): found {:.3} to {:.3} s, expected some of the field's time, {start:.3} to \
                  {end:.3} s: in it nothing changes",
-                layer.id, layer.name, layer.first_secs, layer.last_secs
+                layer.id,
+                layer.name,
+                layer.first_secs,
+                layer.last_secs
             );
         }
     }
@@ -106,7 +109,7 @@ fn losses(report: &Report, tolerance_mm: f64) -> Outcome {
     for made in &report.made.edits {
         let unreachable = made.unreachable();
         for why in &unreachable {
-            eprintln!("loss: edit {:?}: the target is {why}", made.name());
+            note!("loss: edit {:?}: the target is {why}", made.name());
             outcome = Outcome::WithLoss;
         }
         // One push by the paper's E4 is not asked to meet its target, and what is out of reach has been said.
@@ -118,7 +121,7 @@ fn losses(report: &Report, tolerance_mm: f64) -> Outcome {
         for key in effects.flat_map(|effect| &effect.keys) {
             // What is written is single precision.
             if key.residual_mm.after > 1.01 * tolerance_mm {
-                eprintln!(
+                note!(
                     "loss: edit {:?}: strand {}, control point {}, at {:.3} s: found it {:.2} mm from its target, expected at \
                      most {tolerance_mm} mm: other edits move it too",
                     made.name(),
@@ -134,7 +137,7 @@ fn losses(report: &Report, tolerance_mm: f64) -> Outcome {
     outcome
 }
 
-fn summary(report: &Report, stack: &[FieldLayer]) -> String {
+fn summary(report: &Report, stack: &[FieldLayer], quantity: Quantity) -> String {
     let mut text = String::new();
     for change in &report.changes {
         let _ = writeln!(text, "{change}");
@@ -143,7 +146,7 @@ fn summary(report: &Report, stack: &[FieldLayer]) -> String {
         let made = report.made.edits.iter().find(|made| made.edit_id() == effect.edit_id);
         let layer = stack.iter().find(|layer| layer.edit_id() == effect.edit_id);
         let how = match (made, layer.map(|layer| &layer.origin)) {
-            (Some(made), _) => how(made),
+            (Some(made), _) => how(made, quantity),
             (None, Some(LayerOrigin::Wind { .. })) => "a change of the wind".to_owned(),
             (None, Some(LayerOrigin::Mirrored { of, .. })) => format!("`{of}` on the other side"),
             (None, _) => "changed".to_owned(),
@@ -179,16 +182,25 @@ fn summary(report: &Report, stack: &[FieldLayer]) -> String {
             );
         }
     }
-    if let Some(secs) = report.effects.first_change_secs {
-        let _ = writeln!(text, "  the same to the bit before {secs:.3} s");
-    }
+    text.push_str(&elsewhere(&report.effects));
+    text
+}
+
+/// When motion begins to differ, and what moved that should not have.
+fn elsewhere(effects: &EditEffects) -> String {
+    let Some(secs) = effects.first_change_secs else { return "  nothing moved\n".to_owned() };
+    let mut text = format!("  the same to the bit before {secs:.3} s\n");
     for (where_, moved) in [
-        ("outside the reach", &report.effects.most_moved_outside),
-        ("10 cm outside the reach", &report.effects.most_moved_far),
+        ("outside the reach", &effects.most_moved_outside),
+        ("10 cm outside the reach", &effects.most_moved_far),
     ] {
-        if let Some(moved) = moved {
-            let _ = writeln!(text, "  {where_}: {} moved most, {:.2} mm", moved.strand, moved.mm);
-        }
+        let Some(Moved { strand, mm, .. }) = moved else { continue };
+        let _ = match *mm {
+            0.0 => writeln!(text, "  {where_}: nothing moved"),
+            // What moved is not 0.00 mm.
+            mm if mm < 0.01 => writeln!(text, "  {where_}: {strand} moved most, less than 0.01 mm"),
+            mm => writeln!(text, "  {where_}: {strand} moved most, {mm:.2} mm"),
+        };
     }
     text
 }
@@ -202,15 +214,16 @@ fn aimed_elsewhere(made: &Made) -> Vec<String> {
         .collect()
 }
 
-fn how(made: &Made) -> String {
+fn how(made: &Made, quantity: Quantity) -> String {
     match made {
         Made::Physical(outcome) => format!(
-            "solved: {} layers with {} handles, the strongest adds {:.1}; {} strands simulated for it; peaks of \
+            "solved: {} with {}, the strongest adds {:.1} {}; {} simulated for it; peaks of \
              acceleration {:.2} times the unedited, of jerk {:.2}; the keys demand at least {:.2} and {:.2}{}",
-            outcome.n_layers,
-            outcome.n_handles,
+            counted(outcome.n_layers, "layer"),
+            counted(outcome.n_handles, "handle"),
             outcome.strongest,
-            outcome.n_runs,
+            quantity.unit(),
+            counted(outcome.n_runs, "strand"),
             outcome.acceleration_ratio,
             outcome.jerk_ratio,
             outcome.least_acceleration_ratio,
@@ -218,7 +231,11 @@ fn how(made: &Made) -> String {
             if outcome.peaks_demanded { ", more than strands may do unasked" } else { "" }
         ),
         Made::Paper(outcome) => {
-            format!("by E4: asked to move {:.1} mm, {} handles", outcome.asked_mm, outcome.n_handles)
+            format!(
+                "by E4: asked to move {:.1} mm, {}",
+                outcome.asked_mm,
+                counted(outcome.n_handles, "handle")
+            )
         }
         _ => "made".to_owned(),
     }

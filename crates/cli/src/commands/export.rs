@@ -43,7 +43,7 @@ fn write_vdbs(
     outputs.appear()?;
     let next = args.output.with_extension(format!("{n_steps:04}.vdb"));
     if next.exists() {
-        eprintln!(
+        note!(
             "warning: {}: is there from a longer sequence; who reads the sequence takes it, and any after it, for steps of this one",
             next.display()
         );

@@ -1,11 +1,13 @@
 mod capture;
 
-use super::{only_with, print_json, quality, read_file};
+use super::validate::by_hand;
+use super::{counted, for_other_tools, is_damaged, only_with, print_json, quality, read_file};
 use crate::args::{InspectArgs, ReadArgs};
 use crate::ui::Outcome;
 use anyhow::{Context, anyhow};
 use std::fmt::Write;
 use std::path::Path;
+use tousle_core::Quantity;
 use tousle_eff::Inspection;
 use tousle_eff::manifest::{EncodingInfo, EncodingName};
 use tousle_groom::{GroomOptions, GroomReadError, GroomSummary};
@@ -16,55 +18,73 @@ const MCAP_MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
 /// `tousle inspect`
 pub fn run(args: &InspectArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
-    if args.session.is_none() {
-        let ReadArgs { unit, subject, allow_cut } = &args.read;
-        let given =
-            [("--unit", unit.is_some()), ("--subject", subject.is_some()), ("--allow-cut", *allow_cut)];
-        only_with("--session", "a capture is told as its file has it otherwise", &given)?;
-    }
     let inputs: Vec<&Path> = [args.file.as_path()].into_iter().chain(args.session.as_deref()).collect();
     quality::check_reports(&args.report, &inputs)?;
     let bytes = read_file(&args.file)?;
     let cannot = || format!("cannot inspect {}", args.file.display());
-    let is_field = bytes.starts_with(MCAP_MAGIC);
-    let is_capture = !is_field && (args.session.is_some() || tousle_ingest::guess_format(&bytes).is_some());
-    if !is_capture {
-        let given = [("--session", args.session.is_some())];
-        only_with("a capture", "it says what the people in its room knew", &given)?;
-    }
-    if is_field || is_capture {
-        let given = [("--groom-unit", args.groom_unit.is_some()), ("--groom-up", args.groom_up.is_some())];
-        only_with("a groom", "it says what a groom file may not", &given)?;
-    }
-    if is_field {
-        let inspection = tousle_eff::inspect(&bytes[..]).with_context(cannot)?;
+    if bytes.starts_with(MCAP_MAGIC) {
+        no_capture_options(args, "the file is a field")?;
+        no_groom_options(args, "the file is a field")?;
+        let inspection = tousle_eff::inspect(&bytes[..]).map_err(|error| {
+            let saved = if is_damaged(&error) { " (`tousle recover` saves the whole steps)" } else { "" };
+            anyhow!(error).context(format!("{}{saved}", cannot()))
+        })?;
         show(args.json, &inspection, field_table)?;
-    } else if is_capture {
+    } else if tousle_ingest::guess_format(&bytes).is_some() {
+        no_groom_options(args, "the file is a capture")?;
+        if args.session.is_none() {
+            let why = "a capture is told as its file has it otherwise";
+            only_with("--session", why, &read_options_given(args))?;
+        }
         return capture::run(args, &bytes, watch).with_context(cannot);
     } else {
-        let mut options = GroomOptions::default();
-        options.unit = args.groom_unit;
-        options.up_axis = args.groom_up;
-        match tousle_groom::inspect_groom(&bytes, &options) {
-            Ok(summary) => show(args.json, &summary, groom_table)?,
-            Err(GroomReadError::UnknownFormat { .. }) => {
-                // Neither a field nor a groom: what a capture reader has to say is the clearest answer.
-                let error = tousle_ingest::summarize(&bytes).err().map(anyhow::Error::from);
-                let error = error.unwrap_or_else(|| anyhow::anyhow!("the format is unknown"));
-                return Err(
-                    error.context(format!("{}: neither a field, nor a groom, nor a capture", cannot()))
-                );
-            }
-            Err(_) if tousle_ingest::read_session(&bytes).is_ok() => {
-                return Err(anyhow!(
-                    "found a session, expected a field, a capture or a groom (`tousle validate` checks sessions)"
-                ))
-                .with_context(cannot);
-            }
-            Err(error) => return Err(anyhow::Error::from(error).context(cannot())),
-        }
+        show(args.json, &groom(args, &bytes).with_context(cannot)?, groom_table)?;
     }
     Ok(Outcome::Fine)
+}
+
+/// What is in a groom, or what the file is instead.
+fn groom(args: &InspectArgs, bytes: &[u8]) -> anyhow::Result<GroomSummary> {
+    let other = |found: &str, advice: &str| {
+        anyhow!("found {found}, expected a field, a capture or a groom ({advice})")
+    };
+    if let Some((_, found)) = for_other_tools(bytes) {
+        return Err(other(found, "`tousle import` makes a field of wind in them"));
+    }
+    match by_hand::kind(bytes) {
+        Some("session") => return Err(other("a session", "`tousle validate` checks sessions")),
+        Some("edits") => return Err(other("edits", "`tousle validate` checks edits")),
+        _ => {}
+    }
+    let mut options = GroomOptions::default();
+    options.unit = args.groom_unit;
+    options.up_axis = args.groom_up;
+    let summary = tousle_groom::inspect_groom(bytes, &options);
+    if let Err(GroomReadError::UnknownFormat { .. }) = summary {
+        // Neither a field nor a groom: what a capture reader has to say is the clearest answer.
+        let error = tousle_ingest::summarize(bytes).err().map(anyhow::Error::from);
+        let error = error.unwrap_or_else(|| anyhow!("the format is unknown"));
+        return Err(error.context("the file is neither a field, nor a groom, nor a capture"));
+    }
+    no_capture_options(args, "the file is a groom; its unit and its axes are --groom-unit and --groom-up")?;
+    Ok(summary?)
+}
+
+/// Refuses options that say how a capture is read.
+fn no_capture_options(args: &InspectArgs, why: &str) -> anyhow::Result<()> {
+    only_with("a capture", why, &read_options_given(args))?;
+    only_with("a capture", why, &[("--session", args.session.is_some())])
+}
+
+/// Refuses options that say how a groom is read.
+fn no_groom_options(args: &InspectArgs, why: &str) -> anyhow::Result<()> {
+    let given = [("--groom-unit", args.groom_unit.is_some()), ("--groom-up", args.groom_up.is_some())];
+    only_with("a groom", why, &given)
+}
+
+fn read_options_given(args: &InspectArgs) -> [(&'static str, bool); 3] {
+    let ReadArgs { unit, subject, allow_cut } = &args.read;
+    [("--unit", unit.is_some()), ("--subject", subject.is_some()), ("--allow-cut", *allow_cut)]
 }
 
 fn show<T: serde::Serialize>(json: bool, summary: &T, table: impl Fn(&T) -> String) -> anyhow::Result<()> {
@@ -80,6 +100,7 @@ fn field_table(field: &Inspection) -> String {
     let mut text = String::new();
     let manifest = &field.manifest;
     let info = &manifest.field;
+    let unit = Quantity::from(info.quantity).unit();
     let [from, to] = field.field_span_secs;
     let coverage = &field.coverage;
     let percent = |share: f64| 100.0 * share;
@@ -89,7 +110,9 @@ fn field_table(field: &Inspection) -> String {
         manifest.name, manifest.method, manifest.generator
     );
     let _ = writeln!(text, "time       {from:.3} to {to:.3} s at {} Hz", info.rate_hz);
-    let _ = writeln!(text, "grid       {:?} voxels of {} mm", info.grid.dims, info.grid.edge_m * 1e3);
+    // To a nanometer: in meters most numbers of millimeters have no last digit.
+    let edge_mm = (info.grid.edge_m * 1e9).round() / 1e6;
+    let _ = writeln!(text, "grid       {:?} voxels of {edge_mm} mm", info.grid.dims);
     let _ = writeln!(
         text,
         "coverage   {:.1} % measured, {:.1} % interpolated, {:.1} % outside; {:.1} % measured at some time",
@@ -100,23 +123,24 @@ fn field_table(field: &Inspection) -> String {
     );
     let _ = writeln!(
         text,
-        "strength   {:.2} in the mean where measured, {:.2} at most",
+        "strength   {:.2} {unit} in the mean where measured, {:.2} {unit} at most",
         coverage.mean_measured_length, coverage.max_length
     );
     let encoding = &info.encoding;
-    let _ = writeln!(text, "packed     {}", packing(encoding));
+    let _ = writeln!(text, "packed     {}", packing(encoding, unit));
     if let Some(sd) = coverage.mean_sd {
-        let _ = writeln!(text, "sure to    {sd:.3} in the mean, where that is known");
+        let _ = writeln!(text, "sure to    {sd:.3} {unit} in the mean, where that is known");
     }
     let [from, to] = field.pose_span_secs;
-    let _ = writeln!(text, "head       {} poses, {from:.3} to {to:.3} s", manifest.pose.n_poses);
+    let _ = writeln!(text, "head       {}, {from:.3} to {to:.3} s", counted(manifest.pose.n_poses, "pose"));
     for layer in &field.layers {
         let _ = writeln!(text, "edit       {layer}");
     }
     for channel in &field.channels {
         let kilobytes = channel.n_bytes as f64 / 1e3;
         let (topic, n) = (&channel.topic, channel.n_messages);
-        let _ = writeln!(text, "channel    {topic:<14} {n:>6} messages, {kilobytes:>10.1} kB unpacked");
+        let messages = if n == 1 { "message," } else { "messages," };
+        let _ = writeln!(text, "channel    {topic:<14} {n:>6} {messages:<9} {kilobytes:>10.1} kB unpacked");
     }
     for (name, n_bytes) in &field.attachments {
         let _ = writeln!(text, "attached   {name} ({n_bytes} bytes)");
@@ -152,11 +176,11 @@ fn groom_table(groom: &GroomSummary) -> String {
 }
 
 /// How the vectors are packed, and what that loses.
-fn packing(encoding: &EncodingInfo) -> String {
+fn packing(encoding: &EncodingInfo, unit: &str) -> String {
     let (absolute, relative) = (encoding.max_absolute_error, encoding.max_relative_error);
     match encoding.kind {
         EncodingName::F32 => "f32, nothing lost".to_owned(),
         EncodingName::F16 => format!("f16, at most {:.2} % off", 100.0 * relative),
-        EncodingName::Fixed => format!("fixed, at most {absolute} off"),
+        EncodingName::Fixed => format!("fixed, at most {absolute} {unit} off"),
     }
 }

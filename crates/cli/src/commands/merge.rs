@@ -1,11 +1,11 @@
-use super::{check_output, name, print_json, write_options};
+use super::{check_output, counted, name, open_field, print_json, unusable, write_options};
 use crate::args::{MergeArgs, SpanArg};
 use crate::ui::Outcome;
-use anyhow::Context;
 use std::fmt::Write;
-use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
+use tousle_core::Quantity;
+use tousle_eff::Reader;
 use tousle_merge::{MergeOptions, MergeReport, Span};
 use tousle_pipeline::{MergeSource, Watch, write_whole};
 
@@ -22,8 +22,7 @@ pub fn run(args: &MergeArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     let offsets = args.offset_secs.iter().copied().chain(std::iter::repeat(0.0));
     let mut sources = Vec::new();
     for ((path, name), offset_secs) in args.fields.iter().zip(&names).zip(offsets) {
-        let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
-        sources.push(MergeSource { name, input: BufReader::new(file), offset_secs });
+        sources.push(MergeSource { name, input: BufReader::new(open_field(path)?), offset_secs });
     }
     let (report, written) = write_whole(&args.output, |out| {
         tousle_pipeline::merge(sources, out, &options(args), encoding, args.pack.preview, watch)
@@ -31,14 +30,20 @@ pub fn run(args: &MergeArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     if args.json {
         print_json(&report)?;
     } else {
-        say!("{}", summary(&report));
-        let megabytes = written.n_bytes as f64 / 1e6;
-        sayln!("wrote {} ({} steps, {megabytes:.1} MB)", args.output.display(), written.n_steps);
+        say!("{}", summary(&report, unit(&args.fields[0])?));
+        let (steps, megabytes) = (counted(written.n_steps, "step"), written.n_bytes as f64 / 1e6);
+        sayln!("wrote {} ({steps}, {megabytes:.1} MB)", args.output.display());
     }
     for warning in &report.warnings {
-        eprintln!("warning: {warning}");
+        note!("warning: {warning}");
     }
     Ok(Outcome::Fine)
+}
+
+/// The unit of a field's vectors.
+fn unit(field: &Path) -> anyhow::Result<&'static str> {
+    let reader = Reader::open(open_field(field)?).map_err(|error| unusable(error, field))?;
+    Ok(Quantity::from(reader.manifest().field.quantity).unit())
 }
 
 fn options(args: &MergeArgs) -> MergeOptions {
@@ -53,7 +58,7 @@ fn options(args: &MergeArgs) -> MergeOptions {
     options
 }
 
-fn summary(report: &MergeReport) -> String {
+fn summary(report: &MergeReport, unit: &str) -> String {
     let mut text = String::new();
     let percent = |share: f64| 100.0 * share;
     for input in &report.inputs {
@@ -77,12 +82,12 @@ fn summary(report: &MergeReport) -> String {
         });
         let _ = writeln!(
             text,
-            "    agrees  to {rms:.3} rms{ratio}, in {} voxels that several measured",
+            "    agrees  to {rms:.3} {unit} rms{ratio}, in {} voxels that several measured",
             report.n_measured_by_several
         );
     }
     if let Some(rms) = report.rms_outside_disagreement {
-        let _ = writeln!(text, "   outside  the winds agree to {rms:.3} rms");
+        let _ = writeln!(text, "   outside  the winds agree to {rms:.3} {unit} rms");
     }
     text
 }

@@ -1,4 +1,4 @@
-use super::{check_output, print_json, read_file, say_losses};
+use super::{check_output, not_copied, print_json, read_file, say_losses};
 use crate::args::RecoverArgs;
 use crate::ui::Outcome;
 use std::io::Cursor;
@@ -9,7 +9,9 @@ pub fn run(args: &RecoverArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     check_output(&args.output, &["mcap"], &[&args.field])?;
     let bytes = read_file(&args.field)?;
     let stage = watch.stage("recover");
-    let recovery = write_whole(&args.output, |out| tousle_eff::recover(Cursor::new(&bytes), out, &*stage))?;
+    let recovery = write_whole(&args.output, |out| {
+        tousle_eff::recover(Cursor::new(&bytes), out, &*stage).map_err(|error| not_copied(error, &args.field))
+    })?;
     drop(stage);
     if args.json {
         print_json(&recovery)?;

@@ -3,13 +3,13 @@ mod guided;
 mod head;
 mod resume;
 
-use super::{check_outputs, ending, only_with, print_json, read_groom_and_numbers, unusable};
+use super::{
+    check_outputs, counted, ending, only_with, open_field, print_json, read_groom_and_numbers, unusable,
+};
 use crate::args::{ShapeArg, SimulateArgs};
 use crate::ui::{Outcome, WrongArgument};
-use anyhow::Context;
 use guided::Simulated;
 use resume::Resumable;
-use std::fs::File;
 use std::io::{Seek, Write};
 use std::path::Path;
 use tousle_core::{Groom, Quantity, StrandMotion};
@@ -18,7 +18,7 @@ use tousle_export::{ExportError, HairGeometry, UsdOptions};
 use tousle_field::Scene;
 use tousle_groom::ReadGroom;
 use tousle_pipeline::{Outputs, Watch, write_whole};
-use tousle_sim::{Integrator, Method, PlanEntry, Precision, SimError, SimOptions};
+use tousle_sim::{Integrator, Method, PlanEntry, Precision, SimError, SimOptions, TimeMode};
 
 /// `tousle simulate`
 pub fn run(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
@@ -115,19 +115,31 @@ struct Asked {
 
 fn read_field(args: &SimulateArgs) -> anyhow::Result<Asked> {
     let path = &args.field;
-    let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let mut reader = Reader::open(file).map_err(|e| unusable(e, path))?;
+    let mut reader = Reader::open(open_field(path)?).map_err(|e| unusable(e, path))?;
     let info = &reader.manifest().field;
     let options = options(args, info.quantity.into())?;
     let mut part = Part::default().without_deviations();
     part.span_secs = options.span_secs(info.start_secs);
     let of = reader.n_steps();
+    warn_of_time(args, info.start_secs, info.start_secs + of.saturating_sub(1) as f64 / info.rate_hz);
     let eff = reader.part(&part, &ReadOptions::default()).map_err(|e| unusable(e, path))?;
     let why = format!(
         "{} of {of} steps are read; standard deviations, samples, previews and attachments stay in the file",
         eff.field.steps.len()
     );
     Ok(Asked { eff, options, plan: PlanEntry { term: "field".to_owned(), active: true, why } })
+}
+
+/// Warns of a `--time` other than the default where the motion has nothing of the time that it is about.
+fn warn_of_time(args: &SimulateArgs, start_secs: f64, end_secs: f64) {
+    let last_secs = args.duration_secs.map_or(end_secs, |secs| start_secs + secs);
+    if args.time != TimeMode::Once && last_secs <= end_secs {
+        note!(
+            "warning: --time {}: found a motion that ends at {last_secs:.3} s, expected one past the field's last step at \
+             {end_secs:.3} s (--duration-secs): what comes after that is all that it changes",
+            args.time.name()
+        );
+    }
 }
 
 fn options(args: &SimulateArgs, quantity: Quantity) -> anyhow::Result<SimOptions> {
@@ -196,8 +208,10 @@ fn summary(simulated: &Simulated, explain: bool) -> String {
     let (n_strands, n_points, n_frames) = (motion.counts.len(), motion.n_points(), motion.times_secs.len());
     let _ = writeln!(
         text,
-        "{n_strands} strands, {n_points} control points, {n_frames} frames; {} (order {}) in {} strand steps of {}{:.3} ms; \
+        "{}, {n_points} control points, {}; {} (order {}) in {} strand steps of {}{:.3} ms; \
          stretch at most {:.4} %",
+        counted(n_strands, "strand"),
+        counted(n_frames, "frame"),
         report.integrator.name(),
         report.order,
         report.n_steps,

@@ -1,12 +1,12 @@
-mod by_hand;
+pub mod by_hand;
 
-use super::print_json;
+use super::{for_other_tools, is_damage, print_json};
 use crate::args::ValidateArgs;
 use crate::ui::Outcome;
 use by_hand::ByHand;
 use serde::Serialize;
 use std::fs::File;
-use std::io::{BufReader, Read, Seek};
+use std::io::{BufReader, Read};
 use std::path::Path;
 use tousle_eff::Validation;
 use tousle_groom::{GroomOptions, GroomReadError};
@@ -25,9 +25,11 @@ struct Verdict {
 
 /// What was found in one file.
 #[derive(Serialize)]
-#[serde(untagged)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 enum Found {
     Field(Validation),
+    /// It says its kind itself.
+    #[serde(untagged)]
     ByHand(ByHand),
 }
 
@@ -69,21 +71,25 @@ fn validate(path: &Path) -> Verdict {
 /// The most bytes of a file that people write.
 const MAX_BY_HAND: u64 = 1 << 30;
 
-/// A field is read as a stream, whatever its length; all else is small.
+/// A field is read as a stream, whatever its length; all else is small. No byte is read twice, as it cannot be from a pipe.
 fn look_at(path: &Path) -> anyhow::Result<Found> {
     let mut file = File::open(path)?;
-    let mut bytes = [0; 8];
-    let n = file.read(&mut bytes)?;
-    file.rewind()?;
-    if !bytes[..n].starts_with(b"\x89MCAP") && file.metadata()?.len() <= MAX_BY_HAND {
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes)?;
-        file.rewind()?;
-        if let Some(by_hand) = by_hand::validate(&bytes).or_else(|| groom(&bytes)) {
-            return Ok(Found::ByHand(by_hand));
+    let mut bytes = Vec::new();
+    file.by_ref().take(8).read_to_end(&mut bytes)?;
+    if !bytes.starts_with(b"\x89MCAP") && file.metadata()?.len() <= MAX_BY_HAND {
+        file.by_ref().take(MAX_BY_HAND).read_to_end(&mut bytes)?;
+        let by_hand = by_hand::validate(&bytes).or_else(|| exported(&bytes)).or_else(|| groom(&bytes));
+        if let Some(told) = by_hand.or_else(|| capture(&bytes)) {
+            return Ok(Found::ByHand(told));
         }
     }
-    Ok(Found::Field(tousle_eff::validate(BufReader::new(file))?))
+    Ok(Found::Field(tousle_eff::validate(BufReader::new(bytes.chain(file)))?))
+}
+
+/// A file for other tools, in which there is nothing to check.
+fn exported(bytes: &[u8]) -> Option<ByHand> {
+    let (kind, found) = for_other_tools(bytes)?;
+    Some(ByHand::of_no_use(kind, found, "`tousle import` makes a field of wind in them"))
 }
 
 /// A groom in a format that no person writes: its reader's answer. Unit and axes are for the command that uses it.
@@ -95,13 +101,20 @@ fn groom(bytes: &[u8]) -> Option<ByHand> {
     }
 }
 
+/// A capture: what is wrong with it shows beside its session.
+fn capture(bytes: &[u8]) -> Option<ByHand> {
+    let format = tousle_ingest::guess_format(bytes)?;
+    let advice = "`tousle inspect` tells what is in it, with its --session how good it is";
+    Some(ByHand::of_no_use("capture", &format!("a capture ({format})"), advice))
+}
+
 fn print(verdict: &Verdict) {
     if let Some(error) = &verdict.error {
         sayln!("{}: {error}", verdict.file);
     }
     let (findings, n_more): (Vec<String>, usize) = match &verdict.found {
         Some(Found::Field(v)) => (v.findings.iter().map(ToString::to_string).collect(), v.n_more),
-        Some(Found::ByHand(b)) => (b.findings.iter().map(ToString::to_string).collect(), 0),
+        Some(Found::ByHand(b)) => (b.findings.iter().map(ToString::to_string).collect(), b.n_more),
         None => return,
     };
     let (n, sound) = (findings.len(), if verdict.is_sound() { "sound" } else { "NOT SOUND" });
@@ -115,5 +128,10 @@ fn print(verdict: &Verdict) {
     }
     if n_more > 0 {
         sayln!("  … and {n_more} more");
+    }
+    if let Some(Found::Field(validation)) = &verdict.found
+        && validation.errors().any(|finding| is_damage(finding.code))
+    {
+        sayln!("  (`tousle recover` saves the whole steps)");
     }
 }

@@ -125,7 +125,8 @@ impl TryFrom<&tousle_field::Scene> for Scene {
 
     fn try_from(scene: &tousle_field::Scene) -> Result<Self, EffError> {
         Ok(Self {
-            gravity_world: scene.gravity_world.into(),
+            // What is nothing is 0 in the file, never -0.
+            gravity_world: scene.gravity_world.map(|component| component + 0.0).into(),
             air_density: scene.air_density,
             rest_pose: RestPose {
                 translation_m: scene.rest_pose.translation.vector.into(),

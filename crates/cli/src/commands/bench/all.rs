@@ -2,6 +2,7 @@
 
 use super::{make_folder, part, write_report, write_text};
 use crate::args::{BenchAllArgs, BenchPaperArgs, BenchPart, BenchSimArgs, BenchWindArgs};
+use crate::commands::only_with;
 use crate::ui::{Outcome, error_lines};
 use anyhow::ensure;
 use clap::ValueEnum;
@@ -38,6 +39,16 @@ fn chosen(args: &BenchAllArgs) -> anyhow::Result<Vec<BenchPart>> {
         wrong!("--part {}: found no --captures, expected a folder of captures", part.name());
     }
     let is_asked_for = |part: &BenchPart| args.parts.is_empty() || args.parts.contains(part);
+    if !is_asked_for(&BenchPart::File) {
+        only_with("--part file", "no other part takes fields", &[("--field", !args.fields.is_empty())])?;
+    }
+    if !is_asked_for(&BenchPart::Wind) {
+        only_with("--part wind", "no other part has a quick way", &[("--quick", args.quick)])?;
+    }
+    if !args.parts.is_empty() && args.parts.iter().all(|part| *part == BenchPart::File) {
+        let given = [("--captures", args.captures.is_some())];
+        only_with("a part beside --part file", "that one looks at no captures", &given)?;
+    }
     Ok(BenchPart::value_variants().iter().copied().filter(is_asked_for).collect())
 }
 
@@ -46,14 +57,14 @@ fn try_each(parts: &[BenchPart], mut run: impl FnMut(BenchPart) -> anyhow::Resul
     let mut runs = Vec::new();
     for (k, part) in (1..).zip(parts) {
         let name = part.name();
-        eprintln!("{name}: part {k} of {}", parts.len());
+        note!("{name}: part {k} of {}", parts.len());
         let started = Instant::now();
         let ending = run(*part).unwrap_or_else(|error| Ending::Failed(error_lines(&error)));
         let wall_secs = started.elapsed().as_secs_f64();
         match &ending {
-            Ending::Done(_) => eprintln!("{name}: done in {wall_secs:.1} s"),
-            Ending::Failed(why) => eprintln!("{name}: failed: {why}"),
-            Ending::Skipped(why) => eprintln!("{name}: skipped, {why}"),
+            Ending::Done(_) => note!("{name}: done in {wall_secs:.1} s"),
+            Ending::Failed(why) => note!("{name}: failed: {why}"),
+            Ending::Skipped(why) => note!("{name}: skipped, {why}"),
         }
         runs.push(PartRun { name, wall_secs, ending });
     }
@@ -82,7 +93,7 @@ fn report(part: BenchPart, args: &BenchAllArgs, watch: &dyn Watch) -> anyhow::Re
         (BenchPart::File, _) => part::file(&args.fields, watch).map(Some),
         (BenchPart::Sim, captures) => {
             if captures.is_none() {
-                eprintln!("sim: its part truth is skipped, {NEEDS_CAPTURES}");
+                note!("sim: its part truth is skipped, {NEEDS_CAPTURES}");
             }
             let args = BenchSimArgs { captures, names, torso_grip: None, parts: Vec::new(), output: None };
             part::sim(&args, watch).map(Some)

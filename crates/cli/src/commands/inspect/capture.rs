@@ -40,7 +40,7 @@ pub(super) fn run(args: &InspectArgs, bytes: &[u8], watch: &dyn Watch) -> anyhow
         }
     }
     let Some(loss) = quality.and_then(QualityReport::loss) else { return Ok(Outcome::Fine) };
-    eprintln!("loss: {loss}");
+    note!("loss: {loss}");
     Ok(Outcome::WithLoss)
 }
 

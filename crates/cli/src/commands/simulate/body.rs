@@ -37,7 +37,7 @@ pub fn put_meshes(
         assumed.push(told(name, path, args, across_m, enclosed.as_ref()));
         if let Some(Enclosed { solid, n_open_edges, .. }) = enclosed {
             if n_open_edges > 0 {
-                eprintln!(
+                note!(
                     "warning: {}: found {n_open_edges} open edges, expected a closed mesh: near them what is inside is a guess",
                     path.display()
                 );
@@ -60,7 +60,7 @@ fn warn_of_place(path: &Path, attachment: Attachment, across_m: f64, enclosed: O
         Some(Enclosed { is_near: true, .. }) => return,
         _ => "none of its surface where hair can come, expected a body that it can touch".to_owned(),
     };
-    eprintln!(
+    note!(
         "warning: {}: found a mesh {across_m:.4} m across and {why}: is it in another unit (--mesh-unit), or placed elsewhere?",
         path.display()
     );

@@ -2,6 +2,7 @@
 
 use super::resume::Resumable;
 use crate::args::SimulateArgs;
+use crate::commands::counted;
 use serde::Serialize;
 use std::fmt;
 use tousle_core::{Groom, Pose, StrandMotion};
@@ -58,7 +59,7 @@ fn warn_of_many_steps(
     let Steps { per_second, in_all, unlimited_per_second, limit } = simulator.steps(layers)?;
     if per_second > MANY * unlimited_per_second {
         let (name, better) = (integrator.name(), Integrator::of(options.method)[0].name());
-        eprintln!(
+        note!(
             "warning: {name} takes {per_second:.0} steps a second, {in_all} in all, as it stands none longer than {limit}; \
              --integrator {better} stands every step and takes {unlimited_per_second:.0} a second"
         );
@@ -90,7 +91,7 @@ pub fn simulate(
     let Some(n_guides) = n_guides else {
         if let Some(asked) = args.guides {
             let n_strands = groom.strands.len();
-            eprintln!(
+            note!(
                 "warning: --guides {asked}: found {n_strands} strands, so all are simulated and none follows"
             );
         }
@@ -118,7 +119,9 @@ pub fn simulate(
 
 impl fmt::Display for GuideReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} guides simulated, {} strands follow; ", self.n_guides, self.n_following)?;
+        write!(f, "{} simulated, ", counted(self.n_guides, "guide"))?;
+        let follow = if self.n_following == 1 { "follows" } else { "follow" };
+        write!(f, "{} {follow}; ", counted(self.n_following, "strand"))?;
         match &self.error {
             None => write!(f, "how well was not looked at (--guides-check 0)"),
             Some(error) => write!(

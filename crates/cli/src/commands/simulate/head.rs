@@ -44,7 +44,7 @@ fn read_usda(
     options.world_up = (-eff.scene.gravity_world).try_normalize(1e-9).unwrap_or_else(Vec3::z);
     let read = tousle_usda::read_poses(bytes, &options)?;
     for warning in &read.warnings {
-        eprintln!("warning: {}: {warning}", path.display());
+        note!("warning: {}: {warning}", path.display());
     }
     let mut assumed = Vec::new();
     let mut assume = |what: &str, value: String, why: &str| {
@@ -70,13 +70,15 @@ pub fn is_usd(path: &Path) -> bool {
     super::ending(path).starts_with("usd")
 }
 
-/// `FILE.usda:/World/Head` as file and prim.
-pub fn split(name: &str) -> (PathBuf, Option<String>) {
-    let at = name.to_ascii_lowercase().find(".usda:/").map(|at| at + ".usda".len());
-    match at {
-        Some(at) => (name[..at].into(), Some(name[at + 1..].to_owned())),
-        None => (name.into(), None),
-    }
+/// `FILE.usda:/World/Head` as file and prim. The file's name may be any that the system has, the prim's is text.
+pub fn split(name: &Path) -> (PathBuf, Option<String>) {
+    let file = name.ancestors().skip(1).find_map(|place| {
+        let ending = place.extension()?.to_str()?.strip_suffix(':')?;
+        ending.eq_ignore_ascii_case("usda").then(|| (place, place.with_extension(ending)))
+    });
+    let Some((place, file)) = file else { return (name.to_owned(), None) };
+    let prim = name.strip_prefix(place).ok().map(|prim| format!("/{}", prim.display()));
+    (file, prim)
 }
 
 #[cfg(test)]
@@ -89,8 +91,9 @@ mod tests {
             ("a.npz", "a.npz", None),
             ("C:/a.usda", "C:/a.usda", None),
             ("C:/A.USDA:/World/Head", "C:/A.USDA", Some("/World/Head")),
+            ("a.usda:/b/c.usda:/Head", "a.usda:/b/c.usda", Some("/Head")),
         ] {
-            assert_eq!(split(name), (PathBuf::from(file), prim.map(str::to_owned)));
+            assert_eq!(split(Path::new(name)), (PathBuf::from(file), prim.map(str::to_owned)));
         }
     }
 }

@@ -47,7 +47,8 @@ impl Resumable {
             output.file_name().with_context(|| format!("output {}: names no file", output.display()))?;
         let folder = output.with_file_name(format!(".{}.resume", name.to_string_lossy()));
         let inputs = Inputs::of(args, options)?;
-        let run = Self { folder, strands_per_part: NonZeroUsize::new(strands as usize) };
+        let strands_per_part = strands.and_then(|strands| NonZeroUsize::new(strands as usize));
+        let run = Self { folder, strands_per_part };
         run.check_or_begin(&inputs)?;
         Ok(Some(run))
     }

@@ -10,17 +10,19 @@ use serde_json::{Map, Value, json};
 /// What is wrong with a file that people write.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ByHand {
-    /// `session`, `groom` or `edits`.
+    /// `session`, `groom` or `edits`; of what is none of these and known all the same `capture`, `npz` or `vdb`.
     kind: &'static str,
     pub is_sound: bool,
     pub findings: Vec<Finding>,
+    /// Findings beyond the hundred that are kept.
+    pub n_more: usize,
 }
 
 /// Something wrong.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
-    /// `syntax`: it is neither JSON nor TOML. `value`: a part is not what it should be, whatever the rest.
-    /// `together`: every part could be, but not all of them at once.
+    /// `kind`: it is nothing that is checked. `syntax`: it is neither JSON nor TOML. `value`: a part is not what it
+    /// should be, whatever the rest. `together`: every part could be, but not all of them at once.
     code: &'static str,
     severity: &'static str,
     /// Which part: `strands[3]`.
@@ -36,7 +38,7 @@ impl std::fmt::Display for Finding {
     }
 }
 
-/// The most findings: a unit that is wrong makes every strand wrong.
+/// The most elements of a list that are told of, the others are counted: a unit that is wrong makes every strand wrong.
 const MAX_FINDINGS: usize = 100;
 
 /// Makes a sound element of a list for a place.
@@ -119,22 +121,12 @@ fn edit(k: usize) -> Value {
 
 /// Tells what a file is and what is wrong with it; `None` if it is none that people write.
 pub fn validate(bytes: &[u8]) -> Option<ByHand> {
-    let text = str::from_utf8(bytes).ok()?;
-    // To TOML that would be a comment.
-    if text.starts_with("#usda") {
-        return None;
-    }
-    let is_json = text.trim_start().starts_with('{');
-    let parsed = if is_json {
-        serde_json::from_str::<Value>(text).map_err(|e| e.to_string())
-    } else {
-        toml::from_str::<Value>(text).map_err(|e| e.to_string().trim().replace('\n', " "))
-    };
-    match parsed {
-        Ok(Value::Object(members)) => Some(kind_of(&members)?.findings(bytes, &members)),
+    let text = text(bytes)?;
+    match parse(text) {
+        Ok(Value::Object(members)) => Some(kind_of(&members, is_json(text))?.findings(bytes, &members)),
         Ok(_) => None,
         // Text that begins like neither is for others to tell.
-        Err(_) if !is_json && !text.contains(" = ") => None,
+        Err(_) if !is_json(text) && !text.contains(" = ") => None,
         Err(message) => {
             let is_edits =
                 |name: &&str| text.contains(&format!("[[{name}]]")) || text.contains(&format!("\"{name}\""));
@@ -145,17 +137,41 @@ pub fn validate(bytes: &[u8]) -> Option<ByHand> {
             } else {
                 "session"
             };
-            let finding = Finding { code: "syntax", severity: "error", what: String::new(), message };
-            Some(ByHand { kind, is_sound: false, findings: vec![finding] })
+            Some(ByHand::of(kind, vec![Finding::new("syntax", "", message)], 0))
         }
+    }
+}
+
+/// What a file is that people write, sound or not: `session`, `groom` or `edits`.
+pub fn kind(bytes: &[u8]) -> Option<&'static str> {
+    let text = text(bytes)?;
+    let parsed = parse(text).ok()?;
+    Some(kind_of(parsed.as_object()?, is_json(text))?.name)
+}
+
+fn text(bytes: &[u8]) -> Option<&str> {
+    // To TOML the first line of a .usda would be a comment.
+    str::from_utf8(bytes).ok().filter(|text| !text.starts_with("#usda"))
+}
+
+fn is_json(text: &str) -> bool {
+    text.trim_start().starts_with('{')
+}
+
+fn parse(text: &str) -> Result<Value, String> {
+    if is_json(text) {
+        serde_json::from_str(text).map_err(|e| e.to_string())
+    } else {
+        toml::from_str(text).map_err(|e| e.to_string().trim().replace('\n', " "))
     }
 }
 
 /// The members that only edits have.
 const EDITS: [&str; 3] = ["edit", "wind", "change"];
 
-/// What a file is, by the members that only its kind has.
-fn kind_of(members: &Map<String, Value>) -> Option<Kind> {
+/// What a file is, by the members that only its kind has. Of edits all members may be misspelled: TOML that is nothing else is
+/// taken for theirs.
+fn kind_of(members: &Map<String, Value>, is_json: bool) -> Option<Kind> {
     let first = &members.get("strands").and_then(|s| s.get(0)).unwrap_or(&Value::Null);
     if EDITS.iter().any(|name| members.contains_key(*name)) {
         Some(edits())
@@ -164,18 +180,23 @@ fn kind_of(members: &Map<String, Value>) -> Option<Kind> {
     } else if members.contains_key("strands") {
         Some(groom())
     } else {
-        None
+        let is_edits = if is_json {
+            ["version", "edits"].iter().any(|name| members.contains_key(*name))
+        } else {
+            !members.is_empty()
+        };
+        is_edits.then(edits)
     }
 }
 
 impl Kind {
     fn findings(&self, bytes: &[u8], members: &Map<String, Value>) -> ByHand {
-        let mut findings = Vec::new();
+        let (mut findings, mut n_more) = (Vec::new(), 0);
         if let Err(first) = (self.read)(bytes) {
             for (name, member) in members {
                 match (self.lists.iter().find(|(list, _)| list == name), member.as_array()) {
                     (Some((_, sound)), Some(items)) => {
-                        self.list(name, items, *sound, 0..items.len(), &mut findings);
+                        n_more += self.list(name, items, *sound, 0..items.len(), &mut findings);
                     }
                     _ => self.part(name, name, member.clone(), &mut findings),
                 }
@@ -185,7 +206,7 @@ impl Kind {
                 findings.push(Finding::new("together", "", first));
             }
         }
-        ByHand { kind: self.name, is_sound: findings.is_empty(), findings }
+        ByHand::of(self.name, findings, n_more)
     }
 
     /// Reads a member beside sound ones.
@@ -195,7 +216,8 @@ impl Kind {
         }
     }
 
-    /// Finds the elements of a list that are wrong, by halves: those that are sound are read a few times, together.
+    /// Finds the elements of a list that are wrong, by halves: those that are sound are read a few times, together. Gives how many
+    /// more are wrong than are kept.
     fn list(
         &self,
         name: &str,
@@ -203,26 +225,28 @@ impl Kind {
         sound: Sound,
         range: std::ops::Range<usize>,
         findings: &mut Vec<Finding>,
-    ) {
+    ) -> usize {
         if findings.len() >= MAX_FINDINGS {
-            return;
+            let is_wrong = |item: &&Value| self.read_with(name, Some(json!([item]))).is_err();
+            return items[range].iter().filter(is_wrong).count();
         }
         // Elements keep their places: readers name them by number.
         let list: Vec<Value> =
             (0..items.len()).map(|k| if range.contains(&k) { items[k].clone() } else { sound(k) }).collect();
         if range.len() <= 1 {
             let what = range.clone().next().map_or_else(|| name.to_owned(), |k| format!("{name}[{k}]"));
-            return self.part(name, &what, list.into(), findings);
+            self.part(name, &what, list.into(), findings);
+            return 0;
         }
-        if let Err(message) = self.read_with(name, Some(list.into())) {
-            let n_before = findings.len();
-            let middle = range.start + range.len() / 2;
-            self.list(name, items, sound, range.start..middle, findings);
-            self.list(name, items, sound, middle..range.end, findings);
-            if findings.len() == n_before && range.len() == items.len() {
-                findings.push(Finding::new("together", name, without_line(&message)));
-            }
+        let Err(message) = self.read_with(name, Some(list.into())) else { return 0 };
+        let n_before = findings.len();
+        let middle = range.start + range.len() / 2;
+        let n_more = self.list(name, items, sound, range.start..middle, findings)
+            + self.list(name, items, sound, middle..range.end, findings);
+        if findings.len() == n_before && range.len() == items.len() {
+            findings.push(Finding::new("together", name, without_line(&message)));
         }
+        n_more
     }
 
     /// Members that must be there and are not.
@@ -248,11 +272,19 @@ impl Kind {
 }
 
 impl ByHand {
+    fn of(kind: &'static str, findings: Vec<Finding>, n_more: usize) -> Self {
+        Self { kind, is_sound: findings.is_empty(), findings, n_more }
+    }
+
     /// What is wrong with a groom that was read as a whole.
     pub fn groom(problem: Option<String>) -> Self {
-        let findings: Vec<Finding> =
-            problem.into_iter().map(|message| Finding::new("value", "", message)).collect();
-        Self { kind: "groom", is_sound: findings.is_empty(), findings }
+        Self::of("groom", problem.into_iter().map(|message| Finding::new("value", "", message)).collect(), 0)
+    }
+
+    /// A file that is known and that another command is for.
+    pub fn of_no_use(kind: &'static str, found: &str, advice: &str) -> Self {
+        let message = format!("found {found}, expected a field, a session, a groom or edits; {advice}");
+        Self::of(kind, vec![Finding::new("kind", "", message)], 0)
     }
 }
 
@@ -311,6 +343,17 @@ mod tests {
     }
 
     #[test]
+    fn a_hundred_are_kept_and_the_others_counted() {
+        let mut file = groom().least;
+        file["strands"] = (0..250).map(groom_strand).collect::<Vec<_>>().into();
+        for k in 50..200 {
+            file["strands"][k]["lock_width_m"] = json!(-1.0);
+        }
+        let told = validate(file.to_string().as_bytes()).unwrap();
+        assert_eq!((told.findings.len(), told.n_more), (MAX_FINDINGS, 50));
+    }
+
+    #[test]
     fn parts_that_are_sound_can_be_wrong_together() {
         let mut file = session().least;
         file["strands"] = json!([session_strand(7), session_strand(7)]);
@@ -325,6 +368,13 @@ mod tests {
         let gust =
             "version = 1\n[[wind]]\nname = \"g\"\nkind = \"gust\"\nvector = [0, -4, 0]\nat_m = [0, 0, 0.1]\n";
         assert_eq!(validate(gust.as_bytes()).unwrap().kind, "edits");
+        for misspelled in ["version = 1\n[[edits]]\nname = \"a\"\n", "{\"version\": 1, \"edits\": []}"] {
+            assert_eq!(found(misspelled), [("value", "edits".to_owned())]);
+        }
+        assert_eq!(found("version = 9"), [("value", "version".to_owned())]);
+        assert_eq!(found("version = 1"), []);
+        assert_eq!(validate(b"\n"), None);
+        assert_eq!(validate(b"{\"frames\": 3}"), None);
         assert_eq!(validate(b"#usda 1.0\n(\n    upAxis = \"Z\"\n)\n"), None);
         assert_eq!(found("{ \"edit\": ]"), [("syntax", String::new())]);
         assert_eq!(validate(b"\x89MCAP0\r\n"), None);
