@@ -249,6 +249,7 @@ fn page(
         capture: &converted.prepared.located.head,
         session: &converted.prepared.session,
         field: &converted.eff.field,
+        method: &converted.eff.method,
         scene: &converted.eff.scene,
         hair: &hair,
         figures: &figures(converted, simulated, effects),
