@@ -130,6 +130,13 @@ fn the_demo_writes_a_page_and_all_it_names() {
             "{file}, by the command that the page names"
         );
     }
+    // The edits that the documentation shows are for the demo's field.
+    for page in [include_str!("../../../docs/direct.md"), include_str!("../../../docs/equations.md")] {
+        let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+        room.write("edits.toml", example);
+        let edit = "edit demo/lifted.eff.mcap --groom demo/bob.json --edits edits.toml -o e.eff.mcap";
+        room.run(edit).ended(0);
+    }
 }
 
 #[test]
