@@ -1,9 +1,10 @@
-//! Holds the crates to `docs/architecture.md`: who may know whom.
+//! Holds the crates to `docs/architecture.md`: who may know whom; and the pages to the crates.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use cargo_metadata::{DependencyKind, MetadataCommand, Package};
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 const ARCHITECTURE: &str = include_str!("../../docs/architecture.md");
 
@@ -88,5 +89,19 @@ fn the_simulator_cannot_reach_a_capture() {
     }
     for name in CAPTURE_SIDE {
         assert!(!reached.contains(name), "tousle-sim reaches tousle-{name}");
+    }
+}
+
+#[test]
+fn the_code_that_pages_name_is_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let docs = std::fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let pages = docs.filter(|path| path.extension().is_some_and(|ending| ending == "md"));
+    for page in pages.chain([root.join("README.md")]) {
+        let text = std::fs::read_to_string(&page).unwrap();
+        let named = text.split('`').skip(1).step_by(2).filter(|word| word.starts_with("crates/"));
+        for path in named {
+            assert!(root.join(path).exists(), "{} names {path}", page.display());
+        }
     }
 }

@@ -89,11 +89,6 @@ impl Storage {
             Self::Float32 => 4,
         }
     }
-
-    /// The storage that a scale announces: a negative one says that coordinates are floats, scaled already.
-    pub fn of_scale(scale: f32) -> Self {
-        if scale < 0.0 { Self::Float32 } else { Self::Int16 }
-    }
 }
 
 /// A VAX F float: the two 16-bit words of an IEEE float swapped, 0.1f times two to the exponent less 128, so

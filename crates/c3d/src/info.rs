@@ -88,11 +88,6 @@ impl Info {
     pub fn label(&self, point_idx: usize) -> Option<&str> {
         self.labels.get(point_idx).map(String::as_str)
     }
-
-    /// The points that may be markers: all that no parameter calls an angle, force, moment and the like.
-    pub fn marker_idxs(&self) -> impl Iterator<Item = usize> + '_ {
-        self.kinds.iter().enumerate().filter(|(_, kind)| kind.is_marker()).map(|(i, _)| i)
-    }
 }
 
 pub(crate) fn unit(parameters: &Parameters) -> Option<String> {

@@ -384,7 +384,7 @@ mod labels {
         let info = File { records: records.concat(), ..file }.read().info;
         let expected = [PointKind::Marker, PointKind::Angle, PointKind::ModeledMarker, PointKind::Other];
         assert_eq!(info.kinds, expected);
-        assert_eq!(info.marker_idxs().collect::<Vec<_>>(), [0, 2]);
+        assert_eq!(expected.map(PointKind::is_marker), [true, false, true, false]);
     }
 
     #[test]

@@ -117,6 +117,27 @@ fn the_demo_writes_a_page_and_all_it_names() {
         assert!(page.contains(file), "the page names {file}");
     }
     room.run("validate demo/gusts.eff.mcap demo/lifted.eff.mcap").ended(0);
+    assert!(page.contains("The edit is by the method physical: the smallest and smoothest extra wind"));
+    let files = page.split("<h3>Files</h3>").nth(1).and_then(|rest| rest.split("</table>").next()).unwrap();
+    let cells = files.split("<td><code>").skip(1).filter_map(|cell| cell.split('<').next());
+    let mut listed: Vec<String> = cells.chain(["index.html"]).map(str::to_owned).collect();
+    listed.sort();
+    assert_eq!(listed, room.files_in("demo"), "files on the page (left) and in the folder (right)");
+    room.run("simulate demo/gusts.eff.mcap --groom demo/bob.json -o bob.npz -o bob.usda --shape both")
+        .ended(0);
+    for file in ["bob.npz", "bob.usda"] {
+        assert!(
+            room.read(file) == room.read(&format!("demo/{file}")),
+            "{file}, by the command that the page names"
+        );
+    }
+    // The edits that the documentation shows are for the demo's field.
+    for page in [include_str!("../../../docs/direct.md"), include_str!("../../../docs/equations.md")] {
+        let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+        room.write("edits.toml", example);
+        let edit = "edit demo/lifted.eff.mcap --groom demo/bob.json --edits edits.toml -o e.eff.mcap";
+        room.run(edit).ended(0);
+    }
 }
 
 #[test]

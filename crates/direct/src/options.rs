@@ -52,6 +52,16 @@ impl EditMethod {
         }
     }
 
+    /// What it makes of a drag, for people.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Paper => "a pull towards the key that is not solved to meet it, the paper's E4",
+            Self::Physical => {
+                "the smallest and smoothest extra wind with which the simulated strand meets its key"
+            }
+        }
+    }
+
     /// The method of a name that [`EditMethod::name`] gives.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|m| m.name() == name)

@@ -127,10 +127,7 @@ offset_m = [0, 0.02, 0.05]
         let docs = include_str!("../../../docs/equations.md");
         let example = docs.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
         let list = read_edits(example.as_bytes()).unwrap();
-        assert_eq!(
-            (list.edits[0].name.as_str(), list.keys_secs(1).unwrap()),
-            ("lift the fringe", (1.5, 2.0))
-        );
+        assert_eq!((list.edits[0].name.as_str(), list.keys_secs(1).unwrap()), ("lift the side", (1.5, 2.0)));
         assert_eq!(list.edits[0].ease, crate::DEFAULT_EASE);
     }
 

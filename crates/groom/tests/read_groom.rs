@@ -300,3 +300,13 @@ fn any_bytes_have_an_answer() {
     }
     assert!(n_read > 100, "mutations this small leave some grooms whole: {n_read}");
 }
+
+/// Of the example on the page on inputs nothing is assumed.
+#[test]
+fn the_groom_in_the_documentation_is_read() {
+    let page = include_str!("../../../docs/inputs.md");
+    let example = page.split("```json\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let read = read_groom(example.as_bytes(), &GroomOptions::default()).unwrap();
+    assert_eq!(read.groom.counts(), [3]);
+    assert!(read.groom.assumed.is_empty() && read.warnings.is_empty(), "{read:?}");
+}

@@ -34,6 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         capture: &made_up.capture,
         session: &made_up.session,
         field: &made_up.field,
+        method: "by hand",
         scene: &made_up.scene,
         hair: &[HairView {
             name: "made-up hair",

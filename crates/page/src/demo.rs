@@ -31,6 +31,8 @@ pub struct DemoPage<'a> {
     pub session: &'a Session,
     /// The wind that was found.
     pub field: &'a FieldSequence,
+    /// The method that found it, as its file names it: it tells what the voxels' flags mean.
+    pub method: &'a str,
     /// How the head moves and what hair can touch.
     pub scene: &'a Scene,
     /// The hairstyles that wear the wind; the first is shown first. On the same clock as the capture.

@@ -16,6 +16,7 @@ fn page_of(made_up: &MadeUp, title: &str) -> Result<String, PageError> {
         capture: &made_up.capture,
         session: &made_up.session,
         field: &made_up.field,
+        method: NASTY,
         scene: &made_up.scene,
         hair: &[HairView {
             name: NASTY,
@@ -30,6 +31,26 @@ fn page_of(made_up: &MadeUp, title: &str) -> Result<String, PageError> {
         files: &[FileEntry { name: text(), what: text(), bytes: 812 }],
         notes: &[text()],
     })
+}
+
+/// A page of a capture and its field alone.
+fn bare(made_up: &MadeUp) -> DemoPage<'_> {
+    DemoPage {
+        title: "bare",
+        intro: &[],
+        source: "",
+        capture: &made_up.capture,
+        session: &made_up.session,
+        field: &made_up.field,
+        method: "paper",
+        scene: &made_up.scene,
+        hair: &[],
+        figures: &[],
+        stages: &[],
+        folder: "",
+        files: &[],
+        notes: &[],
+    }
 }
 
 #[test]
@@ -56,6 +77,19 @@ fn names_stay_text_wherever_they_come_out() {
     let data = Unpacked::of(&html);
     assert_eq!(data.json["hair"][0]["name"], NASTY);
     assert_eq!(data.json["markers"]["names"][3], NASTY);
+}
+
+#[test]
+fn the_legend_means_the_flags_of_the_method() {
+    let made_up = made_up(6, 10);
+    let legend = |method| {
+        let page = DemoPage { method, ..bare(&made_up) };
+        let html = demo_page(&page).unwrap();
+        let legend = html.split("Measured: a marker was in the voxel at that time. ").nth(1).unwrap();
+        legend.split(" The arrow").next().unwrap().to_owned()
+    };
+    assert!(legend("physical").contains("the locks around narrowed down the air there"));
+    assert!(legend("paper").contains("from measured voxels around it"));
 }
 
 #[test]
@@ -128,29 +162,14 @@ fn the_wind_comes_back_with_its_flags() {
 
 #[test]
 fn a_page_without_hair_or_body_still_shows_the_rest() {
-    let mut bare = made_up(6, 10);
-    bare.session.body.colliders.clear();
-    bare.scene.body.colliders.clear();
-    bare.session.fans.clear();
-    let html = demo_page(&DemoPage {
-        title: "bare",
-        intro: &[],
-        source: "",
-        capture: &bare.capture,
-        session: &bare.session,
-        field: &bare.field,
-        scene: &bare.scene,
-        hair: &[],
-        figures: &[],
-        stages: &[],
-        folder: "",
-        files: &[],
-        notes: &[],
-    })
-    .unwrap();
+    let mut made_up = made_up(6, 10);
+    made_up.session.body.colliders.clear();
+    made_up.scene.body.colliders.clear();
+    made_up.session.fans.clear();
+    let html = demo_page(&bare(&made_up)).unwrap();
     unpack::check_nesting(&html).unwrap();
     let data = Unpacked::of(&html);
-    assert_eq!(data.json["span_secs"][1].as_f64(), Some(bare.field.end_secs()));
+    assert_eq!(data.json["span_secs"][1].as_f64(), Some(made_up.field.end_secs()));
     assert!(data.json["body"]["shapes"].as_array().unwrap().is_empty());
 }
 

@@ -1,4 +1,4 @@
-use super::simulate::{usd_options, write_motion};
+use super::simulate::usd_options;
 use crate::args::{DemoArgs, ShapeArg};
 use crate::ui::Outcome;
 use anyhow::{Context, ensure};
@@ -6,11 +6,12 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 use tousle_core::{Groom, StrandMotion};
-use tousle_direct::{DirectOptions, Stage};
+use tousle_direct::{DirectOptions, EditMethod, Stage};
 use tousle_edit::{Change, EditEffects, Under};
 use tousle_eff::{Eff, WriteOptions};
+use tousle_field::FieldSequence;
 use tousle_fit::{FitMethod, FitOptions};
-use tousle_groom::GroomOptions;
+use tousle_groom::{GroomOptions, ReadGroom};
 use tousle_page::{Compared, DemoPage, Figure, FileEntry, HairView, StageLine};
 use tousle_pipeline::{ConvertOptions, Converted, Input, Watch, write_whole};
 use tousle_sim::{Method, SimOptions, Simulation, Simulator};
@@ -30,11 +31,11 @@ pub fn run(args: &DemoArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     folder.write("lift.toml", EDITS)?;
 
     let converted = convert(&folder, &mut log, watch)?;
-    let groom = groom()?;
-    let simulated = simulate(&converted.eff, &groom, &folder, &mut log, watch)?;
-    let (edited, effects) = edit(&converted.eff, &groom, &simulated.motion, &folder, &mut log, watch)?;
+    let read = read_groom()?;
+    let simulated = simulate(&converted.eff, &read, &folder, &mut log, watch)?;
+    let edited = edit(&converted.eff, &read.groom, &simulated.motion, &folder, &mut log, watch)?;
     export(&converted.eff, &folder, &mut log)?;
-    page(&folder, &log, &converted, &groom, &simulated, &edited, &effects)?;
+    page(&folder, &log, &converted, &read.groom, &simulated, &edited)?;
 
     say!("{}", log.text());
     sayln!("\nopen {}", folder.path.join("index.html").display());
@@ -56,7 +57,11 @@ pub(super) fn converted(method: FitMethod, watch: &dyn Watch) -> anyhow::Result<
 
 /// The embedded hairstyle.
 pub(super) fn groom() -> anyhow::Result<Groom> {
-    Ok(tousle_groom::read_groom(GROOM, &GroomOptions::default())?.groom)
+    Ok(read_groom()?.groom)
+}
+
+fn read_groom() -> anyhow::Result<ReadGroom> {
+    Ok(tousle_groom::read_groom(GROOM, &GroomOptions::default())?)
 }
 
 /// The folder that everything goes into.
@@ -141,7 +146,7 @@ fn convert(folder: &Folder<'_>, log: &mut Log, watch: &dyn Watch) -> anyhow::Res
 
 fn simulate(
     eff: &Eff,
-    groom: &Groom,
+    ReadGroom { groom, numbers, .. }: &ReadGroom,
     folder: &Folder<'_>,
     log: &mut Log,
     watch: &dyn Watch,
@@ -159,15 +164,22 @@ fn simulate(
         );
         Ok((simulated, text))
     })?;
-    for name in ["bob.npz", "bob.usda"] {
-        write_motion(
-            &folder.path.join(name),
-            &simulated.motion,
-            groom,
-            &usd_options(&eff.scene, ShapeArg::Both),
-        )?;
-    }
+    let motion = &simulated.motion;
+    write_whole(&folder.path.join("bob.npz"), |out| {
+        tousle_export::write_numbered_motion_npz(motion, numbers, out)
+    })?;
+    write_whole(&folder.path.join("bob.usda"), |out| {
+        let usd = usd_options(&eff.scene, ShapeArg::Both);
+        tousle_export::write_motion_usda(motion, groom, &usd, out)
+    })?;
     Ok(simulated)
+}
+
+/// The motion with the edit.
+struct Edited {
+    method: EditMethod,
+    motion: StrandMotion,
+    effects: EditEffects,
 }
 
 fn edit(
@@ -177,7 +189,7 @@ fn edit(
     folder: &Folder<'_>,
     log: &mut Log,
     watch: &dyn Watch,
-) -> anyhow::Result<(StrandMotion, EditEffects)> {
+) -> anyhow::Result<Edited> {
     let command = "tousle edit gusts.eff.mcap --groom bob.json --edits lift.toml -o lifted.eff.mcap";
     log.stage("edit", command, || {
         let edits = tousle_edit::read_edits(EDITS)?;
@@ -187,10 +199,10 @@ fn edit(
         let direct = DirectOptions::for_quantity(eff.field.quantity);
         let layers = tousle_direct::apply(&world, &[], before, &edits, &direct)?.stack;
         let stage = watch.stage("simulate");
-        let after = simulator.simulate(&layers, &*stage)?.motion;
+        let motion = simulator.simulate(&layers, &*stage)?.motion;
         drop(stage);
         let before = Under { motion: before, layers: &[] };
-        let effects = tousle_edit::measure(before, Under { motion: &after, layers: &layers }, groom)?;
+        let effects = tousle_edit::measure(before, Under { motion: &motion, layers: &layers }, groom)?;
         let mut eff = eff.clone();
         eff.field.layers = layers;
         write_whole(&folder.path.join("lifted.eff.mcap"), |out| {
@@ -200,18 +212,23 @@ fn edit(
         let text = residual.map_or_else(String::new, |r| {
             format!("a strand pulled towards a key: {:.0} mm off before, {:.0} mm after", r.before, r.after)
         });
-        Ok(((after, effects), text))
+        Ok((Edited { method: direct.method, motion, effects }, text))
     })
 }
 
 fn export(eff: &Eff, folder: &Folder<'_>, log: &mut Log) -> anyhow::Result<()> {
     log.stage("export", "tousle export gusts.eff.mcap -o gusts.npz", || {
         write_whole(&folder.path.join("gusts.npz"), |out| tousle_export::write_field_npz(&eff.field, out))?;
-        let step = eff.field.steps.len() * 2 / 3;
-        let name = format!("gusts.{step:04}.vdb");
+        let (step, name) = vdb_step(&eff.field);
         write_whole(&folder.path.join(&name), |out| tousle_export::write_step_vdb(&eff.field, step, out))?;
         Ok(((), format!("gusts.npz for NumPy, {name} (one step) for OpenVDB")))
     })
+}
+
+/// The one step that is written for OpenVDB, while the wind blows, and its file.
+fn vdb_step(field: &FieldSequence) -> (usize, String) {
+    let step = field.steps.len() * 2 / 3;
+    (step, format!("gusts.{step:04}.vdb"))
 }
 
 fn page(
@@ -220,8 +237,7 @@ fn page(
     converted: &Converted,
     groom: &Groom,
     simulated: &Simulation,
-    edited: &StrandMotion,
-    effects: &EditEffects,
+    edited: &Edited,
 ) -> anyhow::Result<()> {
     let intro = [
         "27 locks with markers were blown about by a fan. Their motion told how the air moved around the head; \
@@ -230,7 +246,7 @@ fn page(
         "The road is that of Kazama, Sugisaki and Morishima (2008); wind and hair are by our method, physical."
             .to_owned(),
     ];
-    let compared = Compared { name: "with the edit", motion: edited };
+    let compared = Compared { name: "with the edit", motion: &edited.motion };
     let hair = [HairView {
         name: "bob",
         about: "60 strands that the cameras never saw, in the wind that was measured on the wig.",
@@ -240,7 +256,7 @@ fn page(
     }];
     let notes = [
         "The capture is computed, not filmed: fixtures/demo/README.md says how.".to_owned(),
-        "The edit is the paper's E4: a pull towards the key that is not solved to meet it.".to_owned(),
+        format!("The edit is by the method {}: {}.", edited.method.name(), edited.method.about()),
     ];
     let page = DemoPage {
         title: "Hair in the wind, measured once, worn by any hairstyle",
@@ -249,12 +265,13 @@ fn page(
         capture: &converted.prepared.located.head,
         session: &converted.prepared.session,
         field: &converted.eff.field,
+        method: &converted.eff.method,
         scene: &converted.eff.scene,
         hair: &hair,
-        figures: &figures(converted, simulated, effects),
+        figures: &figures(converted, simulated, &edited.effects),
         stages: &log.stages,
         folder: &folder.path.display().to_string(),
-        files: &files(folder)?,
+        files: &files(folder, &converted.eff.field)?,
         notes: &notes,
     };
     folder.write("index.html", tousle_page::demo_page(&page)?.as_bytes())
@@ -303,7 +320,7 @@ fn figures(converted: &Converted, simulated: &Simulation, effects: &EditEffects)
         ),
     ];
     if let Some(residual) = key_residual_mm(effects) {
-        let note = format!("{:.0} mm off before the edit; the extra wind is solved for", residual.before);
+        let note = format!("{:.0} mm off before the edit", residual.before);
         figures.push(figure("edited strand off its key", format!("{:.0}", residual.after), "mm", note));
     }
     figures
@@ -314,13 +331,15 @@ fn key_residual_mm(effects: &EditEffects) -> Option<Change> {
     Some(effects.edits.first()?.keys.first()?.residual_mm)
 }
 
-/// Every file in the folder that the demo wrote, with its size.
-fn files(folder: &Folder<'_>) -> anyhow::Result<Vec<FileEntry>> {
+/// Every file that the demo wrote beside the page, with its size.
+fn files(folder: &Folder<'_>, field: &FieldSequence) -> anyhow::Result<Vec<FileEntry>> {
+    let (_, vdb) = vdb_step(field);
     let known = [
         ("gusts.c3d", "the capture"),
         ("session.json", "what the people in the room knew"),
         ("gusts.eff.mcap", "the wind field"),
         ("gusts.npz", "the same for NumPy"),
+        (vdb.as_str(), "one step of it for OpenVDB"),
         ("bob.json", "the other hairstyle"),
         ("bob.npz", "its motion for NumPy"),
         ("bob.usda", "its motion for USD: curves and reeds"),

@@ -10,14 +10,12 @@ use crate::args::{ShapeArg, SimulateArgs};
 use crate::ui::{Outcome, WrongArgument};
 use guided::Simulated;
 use resume::Resumable;
-use std::io::{Seek, Write};
-use std::path::Path;
-use tousle_core::{Groom, Quantity, StrandMotion};
+use tousle_core::Quantity;
 use tousle_eff::{Eff, Part, ReadOptions, Reader};
-use tousle_export::{ExportError, HairGeometry, UsdOptions};
+use tousle_export::{HairGeometry, UsdOptions};
 use tousle_field::Scene;
 use tousle_groom::ReadGroom;
-use tousle_pipeline::{Outputs, Watch, write_whole};
+use tousle_pipeline::{Outputs, Watch};
 use tousle_sim::{Integrator, Method, PlanEntry, Precision, SimError, SimOptions, TimeMode};
 
 /// `tousle simulate`
@@ -65,7 +63,7 @@ fn simulate(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     for output in &args.output {
         outputs.add(output, |out| match ending(output).as_str() {
             "npz" => tousle_export::write_numbered_motion_npz(&simulated.motion, &numbers, out),
-            _ => put_motion(output, &simulated.motion, &groom, &usd, out),
+            _ => tousle_export::write_motion_usda(&simulated.motion, &groom, &usd, out),
         })?;
     }
     outputs.appear()?;
@@ -164,17 +162,6 @@ fn options(args: &SimulateArgs, quantity: Quantity) -> anyhow::Result<SimOptions
     Ok(options)
 }
 
-/// Writes a motion in the format that the path's ending names.
-pub fn write_motion(
-    path: &Path,
-    motion: &StrandMotion,
-    groom: &Groom,
-    usd: &UsdOptions<'_>,
-) -> anyhow::Result<()> {
-    write_whole(path, |out| put_motion(path, motion, groom, usd, out))?;
-    Ok(())
-}
-
 /// Hair of this shape in its scene.
 pub fn usd_options(scene: &Scene, shape: ShapeArg) -> UsdOptions<'_> {
     let mut options = UsdOptions::default();
@@ -185,19 +172,6 @@ pub fn usd_options(scene: &Scene, shape: ShapeArg) -> UsdOptions<'_> {
     };
     options.scene = Some(scene);
     options
-}
-
-fn put_motion(
-    path: &Path,
-    motion: &StrandMotion,
-    groom: &Groom,
-    usd: &UsdOptions<'_>,
-    out: impl Write + Seek,
-) -> Result<(), ExportError> {
-    if ending(path) == "npz" {
-        return tousle_export::write_motion_npz(motion, out);
-    }
-    tousle_export::write_motion_usda(motion, groom, usd, out)
 }
 
 /// What was done, for a person.

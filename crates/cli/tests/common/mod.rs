@@ -59,7 +59,12 @@ impl Room {
 
     /// Every file in the folder, hidden ones too, in order.
     pub fn files(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(self.folder.path()).unwrap();
+        self.files_in("")
+    }
+
+    /// The same of a folder in it.
+    pub fn files_in(&self, folder: &str) -> Vec<String> {
+        let entries = std::fs::read_dir(self.path(folder)).unwrap();
         let mut files: Vec<String> =
             entries.map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
         files.sort();

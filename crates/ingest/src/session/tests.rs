@@ -229,3 +229,18 @@ fn what_is_no_session_is_named() {
     );
     assert!(error(b"{\"name\": ").starts_with("line 1, column 9: EOF"));
 }
+
+/// Every field has its place on the page on inputs, and of its example nothing is assumed.
+#[test]
+fn the_page_on_inputs_names_every_field() {
+    let page = include_str!("../../../../docs/inputs.md");
+    let fields = include_str!("file.rs").lines().filter_map(|line| line.strip_prefix("    pub "));
+    let names = fields.filter_map(|field| Some(field.split_once(": ")?.0)).filter(|name| !name.contains(' '));
+    let names: Vec<&str> = names.collect();
+    assert!(names.contains(&"still_frames") && names.contains(&"marker_mass_mg"), "{names:?}");
+    for name in names {
+        assert!(page.contains(&format!("`{name}`")), "{name}");
+    }
+    let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    assert_eq!(what(&read_session(example.as_bytes()).unwrap()), [""; 0]);
+}

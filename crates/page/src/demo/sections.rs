@@ -75,8 +75,20 @@ fn field(page: &DemoPage<'_>, data: &PageData) -> String {
             ("outside", &outside),
             ("interpolated", &interpolated),
             ("measured", &measured),
+            ("origins", origins(page.method)),
         ],
     )
+}
+
+/// What the flags of voxels without a marker mean, by the method that made the field (`docs/glossary.md`, "Flag").
+fn origins(method: &str) -> &'static str {
+    if method == "physical" {
+        "Interpolated: no marker was in it, but the locks around narrowed down the air there. From outside: all else, \
+         where the locks tell little of the air."
+    } else {
+        "Interpolated: from measured voxels around it. From outside: the fan's wind, perhaps bent towards what was \
+         measured nearest."
+    }
 }
 
 /// What was done, the files, and what a reader should know.
