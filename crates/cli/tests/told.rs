@@ -50,7 +50,7 @@ fn a_file_for_another_command_is_told_which() {
     room.run("export f.eff.mcap -o f.npz").ended(0);
     room.run("export f.eff.mcap -o f.vdb").ended(0);
     for (file, kind, found, command) in [
-        ("gusts.c3d", "capture", "a capture (C3D)", "`tousle inspect`"),
+        ("gusts.c3d", "capture", "a capture (c3d)", "`tousle inspect`"),
         ("f.npz", "npz", "NumPy arrays (.npz)", "`tousle import`"),
         ("f.0000.vdb", "vdb", "OpenVDB grids (.vdb)", "`tousle import`"),
     ] {
@@ -144,5 +144,5 @@ fn numbers_are_told_with_their_units() {
     let told = room.run("inspect f.eff.mcap --json").ended(0).out;
     let told: serde_json::Value = serde_json::from_str(&told).unwrap();
     let gravity = told["manifest"]["scene"]["gravity_world"].to_string();
-    assert_eq!(gravity, "[0.0,0.0,-9.80665]");
+    assert_eq!(gravity, "[0.0,0.0,-9.81]");
 }

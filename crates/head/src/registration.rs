@@ -66,11 +66,17 @@ pub(crate) fn register(pairs: &[Pair], trust: &[f64], tolerance_m: f64) -> Optio
 /// markers that follow the head, and any of those finds the others. All triples of 64 markers would be 41,664.
 const MOST_TRIPLES: usize = 300;
 
-/// The triples of so many markers in order; of more than [`MOST_TRIPLES`] every second, third, …: so all markers are in as many.
+/// The triples of so many markers in order; of more than [`MOST_TRIPLES`] those on which multiples of the golden section fall, which
+/// beat in time with nothing: so all markers are in nearly as many.
 fn tried(n: usize) -> impl Iterator<Item = [usize; 3]> {
     let all = (0..n).flat_map(move |i| (i + 1..n).flat_map(move |j| (j + 1..n).map(move |k| [i, j, k])));
     let n_all = n * n.saturating_sub(1) * n.saturating_sub(2) / 6;
-    all.step_by(n_all.div_ceil(MOST_TRIPLES).max(1))
+    let share = MOST_TRIPLES as f64 / n_all as f64;
+    let golden = |idx: usize| (idx as f64 * 0.618_033_988_749_894_9).fract();
+    all.enumerate()
+        .filter(move |(idx, _)| golden(*idx) < share)
+        .map(|(_, triple)| triple)
+        .take(MOST_TRIPLES)
 }
 
 fn agreeing(pairs: &[Pair], pose: &Pose, tolerance_m: f64) -> Vec<usize> {

@@ -132,7 +132,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<SessionFile, SessionError> {
 /// What a text is that is neither TOML nor JSON with a brace at its start.
 fn no_session(text: &str) -> Option<&'static str> {
     if text.starts_with("//") || text.starts_with("/*") {
-        return Some("a comment with a slash, which neither JSON nor TOML has,");
+        return Some("a comment with a slash, which neither JSON nor TOML has");
     }
     // TOML names a table between brackets.
     let in_list = text.strip_prefix('[')?.trim_start_matches('[').trim_start();
