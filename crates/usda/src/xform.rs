@@ -18,8 +18,7 @@ pub struct Local {
     pub resets: bool,
 }
 
-/// A prim's transform at a time code, or without one its value that does not change, else its earliest; the
-/// identity for one that names no operations.
+/// A prim's transform at a time code, or without one its earliest; the identity for one that names no operations.
 ///
 /// Between samples each operation goes evenly from one to the next, an `orient` and the rotation of a `transform`
 /// on the shortest way. (USD itself mixes matrices entry by entry, which would shrink what turns.) Before the first
