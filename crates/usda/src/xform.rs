@@ -68,8 +68,8 @@ pub(crate) fn codes(prim: &Prim) -> impl Iterator<Item = f64> {
     order(prim).iter().flat_map(|name| prim.codes(name.strip_prefix("!invert!").unwrap_or(name)))
 }
 
-/// Whether a prim's transform changes over time.
-pub(crate) fn is_animated(prim: &Prim) -> bool {
+/// Whether a prim's own transform changes over time.
+pub fn is_animated(prim: &Prim) -> bool {
     order(prim).iter().any(|name| prim.is_animated(name.strip_prefix("!invert!").unwrap_or(name)))
 }
 
