@@ -64,7 +64,8 @@ fn visit(prim: &Prim, parent: &str, above: Place, curves: &mut Curves) -> Result
     let place = above.then(&local.matrix, tousle_usda::is_animated(prim));
     if prim.type_name == "BasisCurves" {
         let first = curves.raw.strands.len();
-        curves.take(&curves::control(prim, &path)?, &place)?;
+        let control = curves::control(prim, &path, &mut curves.raw.warnings)?;
+        curves.take(&control, &place)?;
         let RawGroom { strands, warnings, .. } = &mut curves.raw;
         properties::apply(prim, &path, &mut strands[first..], warnings);
     }
