@@ -124,7 +124,7 @@ impl<'a, M: Mechanics> Ready<'a, M> {
     fn new(setting: Setting<'a>, side_by_side: SideBySide<M>) -> Result<Self, SimError> {
         let Setting { field, scene, groom, options, .. } = setting;
         let mut timeline = Timeline::new(field, scene, options, groom.n_points())?;
-        timeline.cut(options.dt_secs.unwrap_or(SimOptions::DEFAULT_DT_SECS))?;
+        timeline.cut(options.dt_secs, SimOptions::DEFAULT_DT_SECS)?;
         let (_, precision) = M::lanes(options);
         stability::check_digits(precision, timeline.dt_secs(), M::SHORTEST_SINGLE_SECS)?;
         let strands = M::prepare(&setting, &timeline);
