@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use std::sync::OnceLock;
 use tousle_core::Progress;
 use tousle_fit::FitError;
+use tousle_groom::GroomReadError;
 use tousle_pipeline::{ConvertError, Watch};
 use tousle_sim::SimError;
 
@@ -51,6 +52,7 @@ pub fn is_wrong_argument(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
         cause.is::<WrongArgument>()
             || matches!(cause.downcast_ref(), Some(ConvertError::Grid(_)))
+            || matches!(cause.downcast_ref(), Some(GroomReadError::SameAxis { .. }))
             || matches!(
                 cause.downcast_ref(),
                 Some(BadOption { .. } | OtherMethod { .. } | TooShort { .. } | Unstable { .. })

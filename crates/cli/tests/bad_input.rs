@@ -362,6 +362,14 @@ fn options_that_cannot_be_are_named_by_their_flags() {
         ("--rate-hz 0", "--rate-hz: found 0, expected a number above 0"),
         ("--duration-secs 1e9", "--duration-secs: found 1000000000, expected at most 1e7 frames"),
         ("--dt-secs 1e-30", "--dt-secs: found 1e-30, expected at most 1e6 steps a frame"),
+        ("--rate-hz 1e-9", "--rate-hz: found 1e-9, expected at most 1e6 steps a frame"),
+        ("--head h.usda --head-start nan", "--head-start <CODE>': expected a finite number"),
+        ("--head h.usda --head-axes z,-z", "expected two axes across one another"),
+        ("--groom-up z --groom-forward -z", "found z for up and -z for forward, expected two axes across"),
+        (
+            "--head-mesh h.obj --mesh-unit m --mesh-up z --mesh-forward z",
+            "--mesh-forward: found z, expected an axis across --mesh-up z",
+        ),
         (
             "--integrator adaptive --tolerance-mm 1e-5",
             "--tolerance-mm: found 1e-5, expected 1e-7 m (1e-4 mm) or more",

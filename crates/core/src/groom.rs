@@ -113,6 +113,14 @@ pub enum GroomError {
     },
 }
 
+/// The most that a strand's numbers may be, SI: a steel cable's and more. Numbers much larger cannot be computed with, and no
+/// one means them.
+const MOST_LENGTH_M: f64 = 1e4;
+const MOST_LINEAR_DENSITY: f64 = 1e3;
+const MOST_WIDTH_M: f64 = 10.0;
+const MOST_STIFFNESS: f64 = 1e9;
+const MOST_DAMPING_SECS: f64 = 1e6;
+
 impl Groom {
     /// Control points of all strands.
     pub fn n_points(&self) -> usize {
@@ -160,18 +168,18 @@ impl Strand {
             return Err(GroomError::EmptySegment { strand: strand(), point });
         }
         let above_zero = [
-            ("length_m", self.length_m),
-            ("linear_density_kg_per_m", self.linear_density_kg_per_m),
-            ("lock_width_m", self.lock_width_m),
+            ("length_m", self.length_m, MOST_LENGTH_M, "a number above 0, at most 10 km"),
+            (
+                "linear_density_kg_per_m",
+                self.linear_density_kg_per_m,
+                MOST_LINEAR_DENSITY,
+                "a number above 0, at most 1000",
+            ),
+            ("lock_width_m", self.lock_width_m, MOST_WIDTH_M, "a number above 0, at most 10 m"),
         ];
-        for (property, found) in above_zero {
-            if !(found.is_finite() && found > 0.0) {
-                return Err(GroomError::BadProperty {
-                    strand: strand(),
-                    property,
-                    found,
-                    expected: "a number above 0",
-                });
+        for (property, found, most, expected) in above_zero {
+            if !(found > 0.0 && found <= most) {
+                return Err(GroomError::BadProperty { strand: strand(), property, found, expected });
             }
         }
         let along = [
@@ -189,19 +197,67 @@ impl Strand {
             return Err(GroomError::BadProperty { strand: strand(), property, found, expected });
         }
         let not_negative = [
-            ("bending_stiffness_N_m2", self.bending_stiffness_n_m2),
-            ("internal_damping_time_s", self.internal_damping_secs),
+            (
+                "bending_stiffness_N_m2",
+                self.bending_stiffness_n_m2,
+                MOST_STIFFNESS,
+                "0 or a number above, at most 1e9",
+            ),
+            (
+                "internal_damping_time_s",
+                self.internal_damping_secs,
+                MOST_DAMPING_SECS,
+                "0 or a number above, at most 1e6",
+            ),
         ];
-        for (property, found) in not_negative {
-            if !(found.is_finite() && found >= 0.0) {
-                return Err(GroomError::BadProperty {
-                    strand: strand(),
-                    property,
-                    found,
-                    expected: "0 or a number above",
-                });
+        for (property, found, most, expected) in not_negative {
+            if !(found >= 0.0 && found <= most) {
+                return Err(GroomError::BadProperty { strand: strand(), property, found, expected });
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn strand() -> Strand {
+        Strand {
+            name: "a".to_owned(),
+            rest_curve_m: vec![Vec3::zeros(), Vec3::x()],
+            length_m: 1.0,
+            linear_density_kg_per_m: 1e-3,
+            lock_width_m: 0.004,
+            bending_stiffness_n_m2: 0.0,
+            internal_damping_secs: 0.0,
+            along: Along::default(),
+            holds_style: false,
+        }
+    }
+
+    #[test]
+    fn properties_that_no_hair_has_are_named() {
+        type Change = fn(&mut Strand) -> &mut f64;
+        let properties: [(&str, Change, f64); 5] = [
+            ("length_m", |s| &mut s.length_m, 1e4),
+            ("linear_density_kg_per_m", |s| &mut s.linear_density_kg_per_m, 1e3),
+            ("lock_width_m", |s| &mut s.lock_width_m, 10.0),
+            ("bending_stiffness_N_m2", |s| &mut s.bending_stiffness_n_m2, 1e9),
+            ("internal_damping_time_s", |s| &mut s.internal_damping_secs, 1e6),
+        ];
+        for (name, field, most) in properties {
+            let check = |value: f64| {
+                let mut strand = strand();
+                *field(&mut strand) = value;
+                Groom { strands: vec![strand], assumed: Vec::new() }.check()
+            };
+            check(most).unwrap();
+            for bad in [most * 1.01, 1e150, f64::INFINITY, f64::NAN, -1.0] {
+                let error = check(bad).unwrap_err().to_string();
+                assert!(error.contains(&format!("strand a: found {name} = {bad}")), "{error}");
+            }
+        }
     }
 }

@@ -192,7 +192,7 @@ impl Notes {
         if self.implausible > 0 {
             let n = self.implausible;
             warnings.push(format!(
-                "{n} strands are drawn thinner than 0.05 mm or wider than 30 mm: width not used"
+                "{n} strands are drawn thinner than 0.05 mm, wider than 30 mm or with a width that is no number: width not used"
             ));
         }
     }
@@ -264,8 +264,10 @@ mod tests {
     fn what_cannot_be_is_said() {
         let short = RawStrand { length: Some(0.09), ..strand() };
         let thick = RawStrand { drawn_width: Some(1.0), ..strand() };
-        let (groom, warnings) = groom(vec![short, thick]);
+        let none = RawStrand { drawn_width: Some(f64::NAN), ..strand() };
+        let (groom, warnings) = groom(vec![short, thick, none]);
         assert_eq!(groom.strands[0].length_m, 0.09, "what is given holds");
         assert_eq!(warnings.len(), 2, "{warnings:?}");
+        assert!(warnings[1].starts_with("2 strands are drawn"), "{warnings:?}");
     }
 }

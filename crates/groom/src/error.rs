@@ -1,4 +1,4 @@
-use tousle_core::GroomError;
+use tousle_core::{Axis, GroomError};
 
 use crate::GroomFormat;
 
@@ -61,6 +61,14 @@ pub enum GroomReadError {
         what: &'static str,
         /// What the caller can give.
         pass: &'static str,
+    },
+    /// Up and forward are along one axis.
+    #[error("found {up} for up and {forward} for forward, expected two axes across one another")]
+    SameAxis {
+        /// The axis that is up, as the file or the caller has it.
+        up: Axis,
+        /// The axis along which the nose points.
+        forward: Axis,
     },
     /// The groom cannot be put where it should go.
     #[error("cannot place the groom: found {found}, expected {expected}")]

@@ -17,7 +17,7 @@
 //! A property may be missing (`defaults` says what stands for it), one number a strand, or, except for the damping, one
 //! for each of its points (`along` says what then becomes of the others): a list in JSON; a primvar of the same name in
 //! USD, `constant`, `uniform`, `vertex` or `varying`. Drawn widths by the point count as well: the thickness array of
-//! `.hair`, `widths` of USD and Alembic.
+//! `.hair`, `widths` of USD (before it a primvar of that name) and Alembic.
 //!
 //! ```
 //! let json = br#"{"note": "any text", "strands": [

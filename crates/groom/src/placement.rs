@@ -100,10 +100,7 @@ fn axes(
             why: format!("no groom file states it; this is the usual one where {up} is up"),
         }),
     }
-    axes.head_from_file().ok_or_else(|| {
-        let found = "one axis both up and forward".to_owned();
-        GroomReadError::Placement { found, expected: "two different ones" }
-    })
+    axes.head_from_file().ok_or(GroomReadError::SameAxis { up, forward: axes.forward })
 }
 
 /// One scale and one shift, and how far from the head the roots then are.

@@ -1,11 +1,11 @@
-use tousle_core::Groom;
+use tousle_core::{Groom, median_high};
 
 use crate::defaults::with_defaults;
 use crate::error::GroomReadError;
 use crate::format::{GroomFormat, read_raw};
 use crate::options::GroomOptions;
 use crate::placement::place;
-use crate::raw::RawGroom;
+use crate::raw::{RawGroom, RawStrand, bounds};
 
 /// A groom and how it came about.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,15 +52,21 @@ pub(crate) fn finish(
     Ok(ReadGroom { groom, format, warnings, numbers })
 }
 
-/// Points closer than this share of the groom's size count as one.
+/// Points closer than this share of the usual strand's size count as one.
 const COINCIDENT: f64 = 1e-9;
 
 /// Leaves out what cannot be simulated: points on top of one another, and strands without a segment.
 pub(crate) fn clean(raw: &mut RawGroom) {
-    let size = raw.bounds().map_or(0.0, |[low, high]| (0..3).map(|a| high[a] - low[a]).fold(0.0, f64::max));
+    let size = |strand: &RawStrand| {
+        bounds(strand.points.iter())
+            .map_or(0.0, |[low, high]| (0..3).map(|a| high[a] - low[a]).fold(0.0, f64::max))
+    };
+    // Not the whole groom's: one stray point would make all other strands' points one. Nor a strand's own: one that is all but a
+    // point would keep its own apart.
+    let usual = median_high(raw.strands.iter().map(size).collect()).unwrap_or(0.0);
     let mut n_dropped = 0;
     for strand in &mut raw.strands {
-        n_dropped += strand.drop_coincident(COINCIDENT * size);
+        n_dropped += strand.drop_coincident(COINCIDENT * usual);
     }
     let n_strands = raw.strands.len();
     let n_points: usize = raw.strands.iter().filter(|s| s.points.len() < 2).map(|s| s.points.len()).sum();
@@ -123,6 +129,14 @@ mod tests {
                 "3 points lie on the one before and were left out"
             ]
         );
+    }
+
+    #[test]
+    fn a_stray_point_makes_no_other_points_one() {
+        let curve = |far: f64| vec![Vec3::zeros(), Vec3::x(), Vec3::new(1.0, far, 0.0)];
+        let mut raw = RawGroom::of_curves(vec![curve(1.0), curve(3e38), curve(1.0), curve(1e-12)]);
+        clean(&mut raw);
+        assert_eq!(raw.strands.iter().map(|s| s.points.len()).collect::<Vec<_>>(), [3, 3, 3, 2]);
     }
 
     #[test]

@@ -235,6 +235,39 @@ fn usd_prims_that_are_not_active_are_left_out() {
     assert!(warnings.iter().any(|warning| warning.contains("/c: it is invisible")), "{warnings:?}");
 }
 
+/// What Pixar's library has of these layers at their earliest time.
+#[test]
+fn of_what_changes_over_time_the_first_sample_counts() {
+    let read = |over: &str, body: &str| {
+        let text = format!(
+            "#usda 1.0\n( upAxis = \"Z\" metersPerUnit = 1 )\ndef Xform \"x\" {{ {over} uniform token[] xformOpOrder = \
+             [\"xformOp:translate\"] def BasisCurves \"c\" {{ uniform token type = \"linear\" int[] curveVertexCounts = [2] \
+             point3f[] points = [(0, 0, 1), (0, 0, 2)] {body} }} }}"
+        );
+        read_groom(text.as_bytes(), &GroomOptions::default()).unwrap()
+    };
+    let still = "double3 xformOp:translate = (0, 1, 0)";
+    let moving = "double3 xformOp:translate.timeSamples = { 20: (0, 0, 0), 1: (0, 5, 0) }";
+    let samples = "point3f[] points.timeSamples = { 5: [(0, 0, 5), (0, 0, 6)], 3: [(0, 0, 3), (0, 0, 4)] }";
+    let (curves, transforms) = ("animated curves: the first", "animated transforms: the first");
+    for (over, body, root, says) in [
+        (still, "", [0.0, 1.0, 1.0], vec![]),
+        (still, samples, [0.0, 1.0, 3.0], vec![curves]),
+        (&format!("{still} {moving}"), "", [0.0, 5.0, 1.0], vec![transforms]),
+        (moving, "token[] xformOpOrder = [\"!resetXformStack!\"]", [0.0, 0.0, 1.0], vec![]),
+    ] {
+        let read = read(over, body);
+        assert_eq!(read.groom.strands[0].rest_curve_m[0], Vec3::from(root), "{over} {body}");
+        assert_eq!(read.warnings.len(), says.len(), "{:?}", read.warnings);
+        assert!(read.warnings.iter().zip(&says).all(|(warning, says)| warning.starts_with(says)));
+    }
+    let mut bytes = alembic();
+    let name = bytes.windows(5).position(|name| name == b".vals").unwrap();
+    bytes[name - 2] = 2; // samples
+    let warnings = inspect_groom(&bytes, &GroomOptions::default()).unwrap().warnings;
+    assert!(warnings.iter().any(|warning| warning.starts_with(transforms)), "{warnings:?}");
+}
+
 #[test]
 fn what_is_no_groom_says_so() {
     let mut nan = binary(GroomFormat::Data);

@@ -31,6 +31,8 @@ pub enum SurfaceShape {
         to_sphere: Matrix3<f64>,
         /// The shortest half axis, m.
         shortest_half_axis_m: f64,
+        /// How flat it is: [`Surface::steepness`].
+        steepness: f64,
     },
     /// All points at a distance from a line segment.
     Capsule {
@@ -65,6 +67,7 @@ impl Surface {
                 center_m: *center_m,
                 to_sphere: Matrix3::from_diagonal(&half_axes_m.map(|a| 1.0 / a)),
                 shortest_half_axis_m: half_axes_m.min(),
+                steepness: steepness(half_axes_m.max() / half_axes_m.min()),
             },
             Shape::Capsule { a_m, b_m, radius_m } => {
                 let axis = b_m - a_m;
@@ -90,11 +93,12 @@ impl Surface {
     /// The same surface carried along by a pose.
     pub fn moved(&self, pose: &Pose) -> Self {
         Self(match &self.0 {
-            SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => {
+            SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m, steepness } => {
                 SurfaceShape::Ellipsoid {
                     center_m: (pose * Point3::from(*center_m)).coords,
                     to_sphere: to_sphere * pose.rotation.inverse().to_rotation_matrix().matrix(),
                     shortest_half_axis_m: *shortest_half_axis_m,
+                    steepness: *steepness,
                 }
             }
             SurfaceShape::Capsule { a_m, axis, per_length2, radius_m } => SurfaceShape::Capsule {
@@ -110,6 +114,15 @@ impl Surface {
         })
     }
 
+    /// The most that the distance shrinks by for each meter that a point outside goes, ≥ 1: 1 for a true distance, as capsules
+    /// and, but for what their grid leaves out, meshes have it, and for ellipsoids no flatter than a head.
+    pub fn steepness(&self) -> f64 {
+        match &self.0 {
+            SurfaceShape::Ellipsoid { steepness, .. } => *steepness,
+            SurfaceShape::Capsule { .. } | SurfaceShape::Mesh { .. } => 1.0,
+        }
+    }
+
     /// The gap between a point and the surface.
     pub fn gap(&self, point_m: Vec3) -> Gap {
         self.gap_within(point_m, f64::INFINITY)
@@ -120,7 +133,7 @@ impl Surface {
     #[inline]
     pub fn gap_within(&self, point_m: Vec3, limit_m: f64) -> Option<Gap> {
         let gap = match &self.0 {
-            SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => {
+            SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m, .. } => {
                 let scaled = to_sphere * (point_m - center_m);
                 let level2 = scaled.norm_squared();
                 // |∇f| is at most one over the shortest half axis.
@@ -155,6 +168,19 @@ impl Surface {
     }
 }
 
+/// [`Surface::steepness`] of an ellipsoid, from its longest half axis over its shortest; at most 8 % too large.
+fn steepness(longest_over_shortest: f64) -> f64 {
+    // With B = diag(1/a), f = |Bx|, u = Bx/f, g = |Bu| and t = (f − 1)/f, between 0 and 1 outside, the distance is (f − 1)/g and
+    // its gradient (1 + t) Bu/g − t B³u/g³. The length of that is convex in t, so largest at one end: 1 on the surface, and far
+    // out the root of Σ p (2 − q)² with p = (Bu)²/g² and q = B²/g², axis by axis. The p add up to 1 and so do the p/q, so
+    // g² = 1 / Σ p/B². While g is held the sum is linear in p under two conditions, so it is largest where two axes share it. With
+    // p the share of the shorter one, whose B² is k times the other's, it is
+    // 1 + p (1 − p) (k − 1)² ((1 − p) (k − 2)/k − p (2k − 1)/k²): 1 at most up to k = 2; beyond, p (1 − p)² ≤ 4/27 bounds it, and
+    // the bound grows with k.
+    let k = longest_over_shortest * longest_over_shortest;
+    (1.0 + 4.0 / 27.0 * (k - 1.0) * (k - 1.0) * f64::max(k - 2.0, 0.0) / k).sqrt()
+}
+
 /// The gap between a point of head space and what a mesh encloses.
 fn mesh_gap(solid: &Solid, solid_from_head: &Pose, point_m: Vec3) -> Gap {
     let (distance_m, out) = solid.distances.gap((solid_from_head * Point3::from(point_m)).coords);
@@ -170,6 +196,7 @@ fn sideways(axis: &Vec3) -> Vec3 {
 mod tests {
     use super::*;
     use nalgebra::UnitQuaternion;
+    use std::f64::consts::FRAC_PI_2;
 
     const HEAD: Shape =
         Shape::Ellipsoid { center_m: Vec3::new(0.0, 0.0, 0.0), half_axes_m: Vec3::new(0.095, 0.075, 0.1) };
@@ -189,6 +216,39 @@ mod tests {
             assert!((found.normal - normal).norm() < 1e-12);
         }
         assert!(head.gap(Vec3::zeros()).distance_m < -0.05);
+    }
+
+    /// The distance's slope at many points outside, by differences: never steeper than it is said to be, and nearly so somewhere.
+    #[test]
+    fn an_ellipsoids_distance_is_as_steep_as_it_is_said_to_be() {
+        const N: u16 = 40;
+        for half_axes_m in [
+            Vec3::new(0.095, 0.075, 0.1),
+            Vec3::repeat(0.1),
+            Vec3::new(0.1, 0.071, 0.08),
+            Vec3::new(0.1, 0.05, 0.1),
+            Vec3::new(0.1, 0.03, 0.1),
+            Vec3::new(0.02, 0.1, 0.02),
+            Vec3::new(0.1, 0.04, 0.005),
+        ] {
+            let surface = Surface::new(&Shape::Ellipsoid { center_m: Vec3::zeros(), half_axes_m });
+            let mut steepest: f64 = 0.0;
+            for k in 0..N * N * 8 {
+                let turn = |k: u16| libm::sincos(f64::from(k % N) / f64::from(N - 1) * FRAC_PI_2);
+                let ((sin, cos), (up, level)) = (turn(k), turn(k / N));
+                let out = 1.01 * libm::pow(3.0, f64::from(k / (N * N)));
+                let point: Vec3 = Vec3::new(cos * level, sin * level, up).component_mul(&half_axes_m) * out;
+                let step = 1e-6 * point.norm();
+                let rise = |way: Vec3| {
+                    surface.gap(point + way * step).distance_m - surface.gap(point - way * step).distance_m
+                };
+                let slope = Vec3::new(rise(Vec3::x()), rise(Vec3::y()), rise(Vec3::z())) / (2.0 * step);
+                steepest = steepest.max(slope.norm());
+            }
+            let said = surface.steepness();
+            assert!(steepest < said + 1e-6, "{half_axes_m}: {steepest}, said to be {said}");
+            assert!(steepest > 0.9 * said, "{half_axes_m}: {steepest}, said to be {said}");
+        }
     }
 
     #[test]

@@ -9,6 +9,9 @@ use tousle_field::Scene;
 /// times less takes ten times the steps, down to the shortest. What is written, in single precision, is off by a third of it anyway.
 const LEAST_TOLERANCE_M: f64 = 1e-7;
 
+/// The farthest that a head may be from its world's origin along an axis, m: beyond, digits end before a hair's width does.
+const FARTHEST_M: f64 = 1e9;
+
 /// Refuses an integrator that the method does not have, and a tolerance that is none or that no step can meet.
 pub(crate) fn check_options(options: &SimOptions) -> Result<(), SimError> {
     let (found, has) = (options.integrator(), Integrator::of(options.method));
@@ -45,9 +48,10 @@ fn check_poses(what: &'static str, track: &PoseTrack) -> Result<(), SimError> {
     check(what, [track.poses.len() as f64], |n| n >= 1.0, "at least one")?;
     check(what, [track.rate_hz], |rate| rate.is_finite() && rate > 0.0, "a rate above 0")?;
     check(what, [track.start_secs], f64::is_finite, "a finite start")?;
-    let numbers =
-        track.poses.iter().flat_map(|p| p.translation.vector.iter().chain(p.rotation.coords.iter()));
-    check(what, numbers.copied(), f64::is_finite, "finite numbers")
+    let places = track.poses.iter().flat_map(|p| p.translation.vector.iter());
+    check(what, places.copied(), |m| m.abs() <= FARTHEST_M, "places within 1e9 m of the origin")?;
+    let turns = track.poses.iter().flat_map(|p| p.rotation.coords.iter());
+    check(what, turns.copied(), f64::is_finite, "finite numbers")
 }
 
 fn check_shape(shape: &Shape) -> Result<(), SimError> {

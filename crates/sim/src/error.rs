@@ -85,6 +85,19 @@ pub enum SimError {
         /// The step, s.
         dt_secs: f64,
     },
+    /// A strand got nowhere, though no step is too long for the integrator.
+    #[error(
+        "{integrator}: found strand {strand} nowhere at {secs} s, expected finite places; a number of its own, of the wind, of the \
+         body or of the head's motion is larger than can be computed with"
+    )]
+    Nowhere {
+        /// The integrator's name.
+        integrator: &'static str,
+        /// The strand.
+        strand: String,
+        /// Time of the first frame at which it is nowhere, s.
+        secs: f64,
+    },
     /// What keeps a run's parts failed.
     #[error("cannot keep or read back a part of the run")]
     Keeper(#[source] Box<dyn core::error::Error + Send + Sync>),

@@ -10,7 +10,7 @@ pub(crate) const TINY2: f64 = 1e-24;
 #[inline(always)]
 pub(crate) fn gaps<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L>) {
     match surface.shape() {
-        SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m } => {
+        SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m, .. } => {
             let to_sphere = Matrix::same(place.x, to_sphere);
             let scaled = to_sphere.mul_vector(place - Vector::same(place.x, *center_m));
             let level = scaled.norm_squared().sqrt();
@@ -53,12 +53,16 @@ pub(crate) struct Seen<L> {
     pub room_m: L,
 }
 
-/// How far a point may go before it can be nearer to a surface than it may come, m. An ellipsoid's distance is of first
-/// order: it may shrink twice as fast as the point moves.
+/// How fast a distance shrinks at least that is gone by, over how fast the point moves: between a grid's nodes a mesh's may be
+/// √3 times as steep as a true one.
+const STEEP: f64 = 2.0;
+
+/// How far a point may go before it can be nearer to a surface than it may come, m.
 #[inline(always)]
-pub(crate) fn room<L: Lane>(gap: L, clearance_m: L) -> L {
+pub(crate) fn room<L: Lane>(surface: &Surface, gap: L, clearance_m: L) -> L {
     let never = gap.same(f64::NEG_INFINITY);
-    let room_m = (gap - clearance_m.max(gap.same(0.0))) * gap.same(0.5);
+    let per_meter = 1.0 / f64::max(surface.steepness(), STEEP);
+    let room_m = (gap - clearance_m.max(gap.same(0.0))) * gap.same(per_meter);
     clearance_m.above(never, room_m, gap.same(f64::INFINITY))
 }
 
@@ -97,13 +101,19 @@ mod tests {
         Gap { distance_m: distance.get(0), normal: normal.get(0) }
     }
 
-    fn surfaces() -> [Surface; 2] {
+    fn surfaces() -> [Surface; 4] {
+        let ellipsoid = |x: f64, y: f64, z: f64| Shape::Ellipsoid {
+            center_m: Vec3::zeros(),
+            half_axes_m: Vec3::new(x, y, z),
+        };
         let pose = Pose::from_parts(
             Vec3::new(0.02, -0.01, 0.03).into(),
             UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1),
         );
         [
-            Shape::Ellipsoid { center_m: Vec3::zeros(), half_axes_m: Vec3::new(0.095, 0.075, 0.1) },
+            ellipsoid(0.095, 0.075, 0.1),
+            ellipsoid(0.1, 0.03, 0.1),
+            ellipsoid(0.1, 0.01, 0.01),
             Shape::Capsule {
                 a_m: Vec3::new(0.0, -0.15, 0.0),
                 b_m: Vec3::new(0.0, 0.15, 0.0),
@@ -134,7 +144,11 @@ mod tests {
             for k in 0..9 * 9 * 9 {
                 let from = (on_cube(k, 9) / 4.0 - Vec3::repeat(1.0)) * 0.3;
                 let clearance_m = 0.004;
-                let room_m = room(F64x1::splat(gap_of(&surface, from).distance_m), F64x1::splat(clearance_m));
+                let room_m = room(
+                    &surface,
+                    F64x1::splat(gap_of(&surface, from).distance_m),
+                    F64x1::splat(clearance_m),
+                );
                 let seen = Seen { place: Vector::splat(from), room_m };
                 for way in 0..27 {
                     let way = (on_cube(way, 3) - Vec3::repeat(1.0)) * (room_m.get(0).max(0.0) * 0.577);

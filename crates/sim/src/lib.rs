@@ -53,7 +53,8 @@ use tousle_rod::Surface;
 ///
 /// # Errors
 /// Before the first step, [`SimError`] if an option, the field, the scene or the groom cannot be used, or if the step is
-/// beyond what the integrator stands; after the last, [`SimError::BlewUp`] of integrators that do not stand every step.
+/// beyond what the integrator stands; after the last, [`SimError::BlewUp`] of integrators that do not stand every step, and
+/// [`SimError::Nowhere`] of numbers that are too large to compute with.
 pub fn simulate(
     field: &FieldSequence,
     scene: &Scene,

@@ -69,10 +69,10 @@ pub(crate) fn run_parts(
     (n_frames, n_steps): (usize, usize),
     keeper: Option<&dyn Keeper>,
     progress: &dyn Progress,
-    mut run: impl FnMut(&[usize], &dyn Progress) -> Part,
+    mut run: impl FnMut(&[usize], &dyn Progress) -> Result<Part, SimError>,
 ) -> Result<Part, SimError> {
     let all: Vec<usize> = (0..groom.strands.len()).collect();
-    let Some(keeper) = keeper else { return Ok(run(&all, progress)) };
+    let Some(keeper) = keeper else { return run(&all, progress) };
     let n = keeper.strands_per_part().map_or_else(|| some_seconds(groom, n_steps), NonZeroUsize::get);
     let mut frames = Frames::new(groom, &all, n_frames);
     let mut count = Count::default();
@@ -84,7 +84,7 @@ pub(crate) fn run_parts(
             Some(part) => part,
             None => {
                 let within = Within { progress, done, n: strands.len(), of: order.len(), n_steps };
-                let part = run(&strands, &within);
+                let part = run(&strands, &within)?;
                 keeper.keep(number, &part).map_err(SimError::Keeper)?;
                 part
             }

@@ -124,7 +124,7 @@ impl<'a, M: Mechanics> Ready<'a, M> {
     fn new(setting: Setting<'a>, side_by_side: SideBySide<M>) -> Result<Self, SimError> {
         let Setting { field, scene, groom, options, .. } = setting;
         let mut timeline = Timeline::new(field, scene, options, groom.n_points())?;
-        timeline.cut(options.dt_secs.unwrap_or(SimOptions::DEFAULT_DT_SECS))?;
+        timeline.cut(options.dt_secs, SimOptions::DEFAULT_DT_SECS)?;
         let (_, precision) = M::lanes(options);
         stability::check_digits(precision, timeline.dt_secs(), M::SHORTEST_SINGLE_SECS)?;
         let strands = M::prepare(&setting, &timeline);
@@ -173,22 +173,29 @@ impl<'a, M: Mechanics> Ready<'a, M> {
         }
     }
 
-    /// Refuses a motion of which a point is nowhere.
-    fn check_whole(&self, motion: &StrandMotion, dt_secs: f64) -> Result<(), SimError> {
+    /// Refuses a motion of some strands of which a point is nowhere.
+    fn check_whole(
+        &self,
+        run: &Run<'_, M>,
+        strands: &[usize],
+        positions_m: &[[f32; 3]],
+    ) -> Result<(), SimError> {
         let Setting { groom, options, .. } = self.setting;
         let is_nowhere = |point: &[f32; 3]| point.iter().any(|c| !c.is_finite());
-        let Some(at) = motion.positions_m.iter().position(is_nowhere) else { return Ok(()) };
-        let (frame, mut point) = (at / motion.n_points(), at % motion.n_points());
-        let mut strand_idx = 0;
-        while point >= motion.counts[strand_idx] {
-            point -= motion.counts[strand_idx];
-            strand_idx += 1;
+        let Some(at) = positions_m.iter().position(is_nowhere) else { return Ok(()) };
+        let n_points = |strand: usize| groom.strands[strand].rest_curve_m.len();
+        let per_frame: usize = strands.iter().map(|s| n_points(*s)).sum();
+        let (mut point, mut place) = (at % per_frame, 0);
+        while point >= n_points(strands[place]) {
+            point -= n_points(strands[place]);
+            place += 1;
         }
-        Err(SimError::BlewUp {
-            integrator: options.integrator().name(),
-            strand: groom.strands[strand_idx].name.clone(),
-            secs: motion.times_secs[frame],
-            dt_secs,
+        let strand = groom.strands[strands[place]].name.clone();
+        let integrator = options.integrator().name();
+        let secs = run.timeline.frame_secs(at / per_frame);
+        Err(match run.limit {
+            Some(_) => SimError::BlewUp { integrator, strand, secs, dt_secs: run.timeline.dt_secs() },
+            None => SimError::Nowhere { integrator, strand, secs },
         })
     }
 
@@ -239,13 +246,11 @@ impl<M: Mechanics> Resident for Ready<'_, M> {
         let spans = (run.timeline.n_frames, run.timeline.n_steps());
         let order = order(&self.strands, &all);
         let moved = run_parts(groom, &order, spans, keeper, progress, |strands, progress| {
-            self.move_strands(&run, strands, progress)
+            let part = self.move_strands(&run, strands, progress);
+            self.check_whole(&run, strands, &part.positions_m).map(|()| part)
         })?;
         let (counts, times_secs) = (groom.counts(), self.times_secs());
         let motion = StrandMotion { counts, times_secs, positions_m: moved.positions_m };
-        if run.limit.is_some() {
-            self.check_whole(&motion, run.timeline.dt_secs())?;
-        }
         let report = self.report(&run, &motion, moved.count);
         Ok(Simulation { motion, report })
     }

@@ -33,7 +33,7 @@ impl Limit {
         options: &SimOptions,
     ) -> Result<(), SimError> {
         let default_secs = f64::min(SimOptions::DEFAULT_DT_SECS, self.dt_secs);
-        timeline.cut(options.dt_secs.unwrap_or(default_secs))?;
+        timeline.cut(options.dt_secs, default_secs)?;
         if timeline.dt_secs() > self.dt_secs {
             return Err(SimError::Unstable {
                 integrator: options.integrator().name(),

@@ -157,16 +157,16 @@ impl<'a> Timeline<'a> {
         self.layers
     }
 
-    /// Cuts the frames into equal steps not longer than `dt_secs`.
-    pub fn cut(&mut self, dt_secs: f64) -> Result<(), SimError> {
+    /// Cuts the frames into equal steps not longer than the given one, or if nobody gave one, the default.
+    pub fn cut(&mut self, given_secs: Option<f64>, default_secs: f64) -> Result<(), SimError> {
+        let dt_secs = given_secs.unwrap_or(default_secs);
         check_above_zero("dt_secs", dt_secs)?;
         let steps = (1.0 / (self.rate_hz * dt_secs) - 1e-6).ceil().max(1.0);
         if steps > MAX_STEPS_PER_FRAME {
-            return Err(bad_option(
-                "dt_secs",
-                dt_secs,
-                "at most 1e6 steps a frame (an explicit integrator's own limit may ask for more)",
-            ));
+            let expected = "at most 1e6 steps a frame (an explicit integrator's own limit may ask for more)";
+            // Where nobody gave a step it is the frames that are too long.
+            let (option, found) = given_secs.map_or(("rate_hz", self.rate_hz), |given| ("dt_secs", given));
+            return Err(bad_option(option, found, expected));
         }
         self.steps_per_frame = steps as usize;
         Ok(())

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::num::NonZeroUsize;
 use tousle_core::{Groom, NoProgress, Quantity, Vec3};
+use tousle_field::Scene;
 use tousle_sim::{Integrator, Keeper, Part, SimError, SimOptions, Simulation, simulate, simulate_kept};
 
 /// Keeps parts in memory and stops the run when it has so many.
@@ -71,6 +72,21 @@ fn a_stopped_run_goes_on_to_the_same_bytes() {
         let stopped = run(&groom, &options, Some(&shelf)).unwrap();
         assert!(stopped == never_stopped, "{:?}", options.integrator);
         assert_eq!(shelf.parts.borrow().len(), 4);
+    }
+}
+
+/// Numbers that are each possible and too large to compute with.
+#[test]
+fn a_part_that_gets_nowhere_is_named_and_not_kept() {
+    let field = uniform(Quantity::AirVelocity, 10.0, &[Vec3::new(-8.0, 3.0, 0.0); 4]);
+    let scene = Scene { air_density: 1e300, ..mannequin() };
+    let shelf = Shelf { parts: RefCell::default(), most: 99 };
+    for integrator in [Integrator::Implicit, Integrator::ImplicitEuler, Integrator::Adaptive] {
+        let options = physical(integrator, 1.0 / 60.0, 0.2);
+        let run = simulate_kept(&field, &scene, &sixty(), &options, Some(&shelf), &NoProgress);
+        let Err(SimError::Nowhere { strand, secs, .. }) = run else { panic!("{integrator:?}: {run:?}") };
+        assert!(!strand.is_empty() && secs > 0.0, "strand {strand:?} at {secs} s");
+        assert!(shelf.parts.borrow().is_empty());
     }
 }
 

@@ -469,6 +469,7 @@ fn what_cannot_be_is_refused() {
     };
     assert_eq!(frames(1e9, 1.0), "rate_hz");
     assert_eq!(frames(60.0, 1e9), "duration_secs");
+    assert_eq!(frames(1e-9, 1.0), "rate_hz", "steps that nobody gave are not what is wrong");
     let single = |rate_hz: f64| SimOptions {
         precision: Precision::Single,
         ..physical(Integrator::Implicit, 1.0 / rate_hz, 0.1)

@@ -44,7 +44,7 @@ pub enum Specifier {
 /// An attribute: its value, and its samples if it has any.
 #[derive(Debug, Default)]
 pub struct Property {
-    /// The value that does not change.
+    /// The default: what holds where there are no samples.
     pub value: Option<Value>,
     /// Values at time codes, rising. All of a transform's operation, only the earliest of anything else: points of
     /// long caches would take room for nothing.
@@ -83,11 +83,12 @@ impl Value {
 }
 
 impl Prim {
-    /// An attribute's value; its earliest sample where it has no other.
+    /// An attribute's earliest sample; its default where it has none. USD asks for the default first only where no time is
+    /// meant: at any time, be it before the first sample, samples hold.
     pub fn value(&self, name: &str) -> Option<&Value> {
         let property = self.properties.get(name)?;
-        let value = property.value.as_ref().filter(|v| **v != Value::Other);
-        value.or(property.samples.first().map(|(_, value)| value))
+        let earliest = property.samples.first().map(|(_, value)| value);
+        earliest.or(property.value.as_ref().filter(|v| **v != Value::Other))
     }
 
     /// An attribute's numbers, if it has any.

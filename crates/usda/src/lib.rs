@@ -22,4 +22,4 @@ pub use layer::{Layer, Prim, Property, Specifier, Value};
 pub use parser::parse;
 pub use poses::{PoseOptions, ReadPoses, read_poses};
 pub use scale::{meters_per_unit, time_codes_per_second, up_axis};
-pub use xform::{Local, local};
+pub use xform::{Local, is_animated, local};

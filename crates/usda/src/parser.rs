@@ -385,6 +385,17 @@ def Xform "A" (
     }
 
     #[test]
+    fn samples_hold_over_the_default_beside_them() {
+        for both in [
+            "float a = 1 float a.timeSamples = { 5: 3, 4: 2 }",
+            "float a.timeSamples = { 4: 2, 5: 3 } float a.default = 1",
+        ] {
+            let layer = parse(format!("#usda 1.0\ndef \"p\" {{ {both} }}").as_bytes()).unwrap();
+            assert_eq!(layer.prims[0].numbers("a"), Some(&[2.0][..]), "{both}");
+        }
+    }
+
+    #[test]
     fn a_cut_layer_is_refused_with_its_line() {
         let end = LAYER.trim_end().len();
         let start = LAYER.find("def Xform").unwrap();

@@ -18,8 +18,7 @@ pub struct Local {
     pub resets: bool,
 }
 
-/// A prim's transform at a time code, or without one its value that does not change, else its earliest; the
-/// identity for one that names no operations.
+/// A prim's transform at a time code, or without one its earliest; the identity for one that names no operations.
 ///
 /// Between samples each operation goes evenly from one to the next, an `orient` and the rotation of a `transform`
 /// on the shortest way. (USD itself mixes matrices entry by entry, which would shrink what turns.) Before the first
@@ -69,8 +68,8 @@ pub(crate) fn codes(prim: &Prim) -> impl Iterator<Item = f64> {
     order(prim).iter().flat_map(|name| prim.codes(name.strip_prefix("!invert!").unwrap_or(name)))
 }
 
-/// Whether a prim's transform changes over time.
-pub(crate) fn is_animated(prim: &Prim) -> bool {
+/// Whether a prim's own transform changes over time.
+pub fn is_animated(prim: &Prim) -> bool {
     order(prim).iter().any(|name| prim.is_animated(name.strip_prefix("!invert!").unwrap_or(name)))
 }
 

@@ -2,7 +2,8 @@
 
 use super::GroomArgs;
 use super::values::{
-    parse_axis, parse_head_axes, parse_integrator, parse_sim_method, parse_time, parse_torso_grip, parse_unit,
+    parse_axis, parse_finite, parse_head_axes, parse_integrator, parse_sim_method, parse_time,
+    parse_torso_grip, parse_unit,
 };
 use clap::{ArgGroup, Args, ValueEnum};
 use std::path::PathBuf;
@@ -70,7 +71,7 @@ pub struct SimulateArgs {
     #[arg(long, value_parser = parse_head_axes, value_name = "UP,NOSE", requires = "head", allow_hyphen_values = true)]
     pub head_axes: Option<tousle_core::HeadAxes>,
     /// The time code of the USD stage that meets the field's first step [default: the stage's first].
-    #[arg(long, value_name = "CODE", requires = "head", allow_hyphen_values = true)]
+    #[arg(long, value_parser = parse_finite, value_name = "CODE", requires = "head", allow_hyphen_values = true)]
     pub head_start: Option<f64>,
     /// What hair on the shoulders rubs on when the head moves: a surface that goes along with the head, so that it
     /// slides off a shoulder that the head turns away from; or the torso's own, which stays and holds it.

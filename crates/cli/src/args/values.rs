@@ -21,10 +21,11 @@ pub fn parse_unit(name: &str) -> Result<tousle_core::LengthUnit, String> {
 }
 
 pub fn parse_head_axes(text: &str) -> Result<tousle_core::HeadAxes, String> {
-    let expected = || format!("found {text:?}, expected two axes: Y,Z or Z,X or Y,-Z");
+    let expected = || format!("found {text:?}, expected two axes across one another: Y,Z or Z,X or Y,-Z");
     let (up, forward) = text.split_once(',').ok_or_else(expected)?;
     let [up, forward] = [up, forward].map(Axis::from_name);
-    Ok(tousle_core::HeadAxes { up: up.ok_or_else(expected)?, forward: forward.ok_or_else(expected)? })
+    let axes = tousle_core::HeadAxes { up: up.ok_or_else(expected)?, forward: forward.ok_or_else(expected)? };
+    axes.head_from_file().map(|_| axes).ok_or_else(expected)
 }
 
 pub fn parse_axis(name: &str) -> Result<Axis, String> {

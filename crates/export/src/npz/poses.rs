@@ -81,15 +81,17 @@ fn rate(times_secs: &[f64]) -> Result<f64, NpzError> {
 fn rotation(k: usize, row_major: &[f64]) -> Result<UnitQuaternion<f64>, NpzError> {
     let m = Matrix3::from_row_slice(row_major);
     let off = (m * m.transpose() - Matrix3::identity()).amax();
-    if off.is_nan() || off > ROTATION_TOLERANCE || m.determinant() < 0.0 {
-        return Err(NpzError::BadValue {
-            key: "R".to_owned(),
-            index: vec![k],
-            found: off,
-            expected: format!(
-                "a rotation (R times its transpose within {ROTATION_TOLERANCE} of 1, determinant +1)"
-            ),
-        });
+    let bad = |found: f64, expected: String| {
+        Err(NpzError::BadValue { key: "R".to_owned(), index: vec![k], found, expected })
+    };
+    if off.is_nan() || off > ROTATION_TOLERANCE {
+        let expected =
+            format!("a rotation, whose product with its transpose is off 1 by {ROTATION_TOLERANCE} at most");
+        return bad(off, expected);
+    }
+    let determinant = m.determinant();
+    if determinant < 0.0 {
+        return bad(determinant, "a rotation, whose determinant is +1 and not a mirror's".to_owned());
     }
     // Not `Rotation3::from_matrix`, which iterates from no turn and gets stuck at a half turn.
     let near = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(m));
@@ -139,6 +141,7 @@ mod tests {
         npz.array("R", &[1, 3, 3], [-1.0_f64, 0., 0., 0., 1., 0., 0., 0., 1.].into_iter()).unwrap();
         npz.array("p", &[1, 3], [0.0_f64; 3].into_iter()).unwrap();
         npz.finish().unwrap();
-        assert!(matches!(read_poses_npz(out.get_ref()), Err(NpzError::BadValue { .. })));
+        let error = read_poses_npz(out.get_ref()).unwrap_err().to_string();
+        assert!(error.contains("found -1, expected a rotation, whose determinant is +1"), "{error}");
     }
 }

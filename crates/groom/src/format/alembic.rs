@@ -3,7 +3,7 @@
 //! An own reader of the Ogawa container and of the little that curves need. The crates that read Alembic leave
 //! bounds to their callers; the container is a tree of groups and data, and this is all of it. Archives in HDF5,
 //! which Alembic wrote before 2013, are not read. Alembic states neither unit nor up axis. Where values change
-//! over time the first sample is taken for the rest pose.
+//! over time the first sample is taken for the rest pose, with a warning.
 //!
 //! Source: Alembic's own library is its only specification (`lib/Alembic/Ogawa`, `AbcCoreOgawa/ReadUtil.cpp`,
 //! `AbcGeom/ICurves.cpp`, `AbcGeom/XformOp.h`).
@@ -13,10 +13,8 @@ mod ogawa;
 mod properties;
 mod xform;
 
-use nalgebra::Matrix4;
-
 use super::GroomFormat;
-use super::curves::Curves;
+use super::curves::{Curves, Place};
 use crate::error::GroomReadError;
 use crate::raw::RawGroom;
 use ogawa::{Archive, Group};
@@ -32,7 +30,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawGroom, GroomReadError> {
     let archive = Archive::open(bytes)?;
     let top = archive.root()?.group(&archive, TOP_OBJECT)?;
     let mut walk = Walk { archive, curves: Curves::default() };
-    walk.visit(&top, "", &Matrix4::identity(), 0)?;
+    walk.visit(&top, "", Place::top(), 0)?;
     walk.curves.finish().ok_or_else(|| bad("the archive", "no curves", "some"))
 }
 
@@ -49,27 +47,27 @@ impl Walk<'_> {
         &mut self,
         object: &Group,
         path: &str,
-        world_from_parent: &Matrix4<f64>,
+        above: Place,
         depth: usize,
     ) -> Result<(), GroomReadError> {
         if depth > MAX_DEPTH {
             return Err(bad(path, "an object in over 128 others", "fewer"));
         }
-        let mut world_from_object = *world_from_parent;
+        let mut place = above;
         if object.has_group(0) {
             let properties = Compound::read(&self.archive, object, 0, path)?;
             if let Some(xform) = properties.compound(&self.archive, ".xform", path)? {
                 let local = xform::read(&self.archive, &xform, path)?;
-                world_from_object =
-                    if local.inherits { world_from_parent * local.matrix } else { local.matrix };
+                let above = if local.inherits { above } else { Place::top() };
+                place = above.then(&local.matrix, local.changes);
             }
             if let Some(geometry) = properties.compound(&self.archive, ".geom", path)? {
-                curves::take(&self.archive, &geometry, path, &world_from_object, &mut self.curves)?;
+                curves::take(&self.archive, &geometry, path, &place, &mut self.curves)?;
             }
         }
         for (k, name) in object_names(&self.archive, object, path)?.into_iter().enumerate() {
             let child = object.group(&self.archive, k + 1)?;
-            self.visit(&child, &format!("{path}/{name}"), &world_from_object, depth + 1)?;
+            self.visit(&child, &format!("{path}/{name}"), place, depth + 1)?;
         }
         Ok(())
     }

@@ -49,18 +49,36 @@ pub(super) struct Curves {
     n_objects: usize,
     n_cubic: usize,
     n_animated: usize,
+    n_moving: usize,
+}
+
+/// Where an object is.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    world_from_object: Matrix4<f64>,
+    /// Whether its transform, or one above it, changes over time.
+    moves: bool,
+}
+
+impl Place {
+    /// Of objects under no other.
+    pub(super) fn top() -> Self {
+        Self { world_from_object: Matrix4::identity(), moves: false }
+    }
+
+    /// Of an object under one that is here, by its own transform.
+    pub(super) fn then(self, local: &Matrix4<f64>, moves: bool) -> Self {
+        Self { world_from_object: self.world_from_object * local, moves: self.moves || moves }
+    }
 }
 
 impl Curves {
     /// Takes in an object's curves, in the file's own space.
-    pub(super) fn take(
-        &mut self,
-        control: &Control<'_>,
-        world_from_object: &Matrix4<f64>,
-    ) -> Result<(), GroomReadError> {
+    pub(super) fn take(&mut self, control: &Control<'_>, place: &Place) -> Result<(), GroomReadError> {
         let counts = control.counts()?;
-        let points = control.points(counts.iter().sum(), world_from_object)?;
-        let mut widths = control.widths(&counts, mean_scale(world_from_object), &mut self.raw.warnings);
+        let points = control.points(counts.iter().sum(), &place.world_from_object)?;
+        let scale = mean_scale(&place.world_from_object);
+        let mut widths = control.widths(&counts, scale, &mut self.raw.warnings);
         let mut n_without_curve = 0;
         let mut first = 0;
         for (k, n) in counts.iter().enumerate() {
@@ -87,6 +105,7 @@ impl Curves {
         self.n_objects += 1;
         self.n_cubic += usize::from(control.kind != Kind::Polyline);
         self.n_animated += usize::from(control.is_animated);
+        self.n_moving += usize::from(place.moves);
         Ok(())
     }
 
@@ -98,6 +117,7 @@ impl Curves {
                 "cubic curves: control points are not on the curve; as many points, evenly along it, stand for them",
             ),
             (self.n_animated, "animated curves: the first sample is the rest pose"),
+            (self.n_moving, "animated transforms: the first sample of each is where the curves are"),
         ] {
             if n > 0 {
                 self.raw.warnings.push(format!("{what} (objects: {n})"));
@@ -209,7 +229,8 @@ mod tests {
             (Some(&[1.0, 2.0, 3.0]), None),
         ] {
             let mut curves = Curves::default();
-            curves.take(&control(Kind::Polyline, &[2.0, 3.0], widths), &Matrix4::new_scaling(2.0)).unwrap();
+            let place = Place::top().then(&Matrix4::new_scaling(2.0), false);
+            curves.take(&control(Kind::Polyline, &[2.0, 3.0], widths), &place).unwrap();
             let raw = curves.finish().unwrap();
             assert_eq!(raw.strands[1].points[2], Vec3::new(2.0, 0.0, 4.0));
             let found: Vec<_> = raw.strands.iter().map(|s| s.drawn_width).collect();
@@ -231,7 +252,7 @@ mod tests {
         ] {
             let mut curves = Curves::default();
             let control = Control { points: &points, ..control(kind, &[4.0, 5.0], Some(widths)) };
-            curves.take(&control, &Matrix4::identity()).unwrap();
+            curves.take(&control, &Place::top()).unwrap();
             let raw = curves.finish().unwrap();
             assert_eq!(raw.strands[1].along.width, expected);
             assert_eq!(raw.strands[1].drawn_width, Some(2.0));
@@ -242,7 +263,7 @@ mod tests {
     fn strands_of_several_objects_carry_their_path() {
         let mut curves = Curves::default();
         for _ in 0..2 {
-            curves.take(&control(Kind::Polyline, &[2.0, 3.0], None), &Matrix4::identity()).unwrap();
+            curves.take(&control(Kind::Polyline, &[2.0, 3.0], None), &Place::top()).unwrap();
         }
         assert_eq!(curves.finish().unwrap().strands[1].name.as_deref(), Some("/c[1]"));
         assert!(Curves::default().finish().is_none());
@@ -255,13 +276,13 @@ mod tests {
             (&[-1.0], "no counts"),
             (&[1e9, 1e9], "found 15 coordinates of control points, expected three for each of 2000000000"),
         ] {
-            let taken = Curves::default().take(&control(Kind::Polyline, counts, None), &Matrix4::identity());
+            let taken = Curves::default().take(&control(Kind::Polyline, counts, None), &Place::top());
             let error = taken.unwrap_err().to_string();
             assert!(error.contains(says), "{error}");
         }
         let spline = Kind::Cubic { basis: Basis::Bspline, pinned: false };
         let mut curves = Curves::default();
-        curves.take(&control(spline, &[2.0, 3.0], None), &Matrix4::identity()).unwrap();
+        curves.take(&control(spline, &[2.0, 3.0], None), &Place::top()).unwrap();
         let warnings = curves.finish().unwrap().warnings;
         assert_eq!(warnings[0], "/c: 2 curves have too few control points to be drawn");
     }

@@ -113,7 +113,7 @@ fn strand(bytes: &[u8], layout: &Layout, first: usize, n: usize) -> RawStrand {
         mean_and_shares(&(0..n).map(|k| f32_at(bytes, at + 4 * k)).collect::<Vec<_>>())
     });
     let mut strand = RawStrand::of_points((0..n).map(point).collect());
-    if let Some((mean, shares)) = thickness.filter(|(mean, _)| mean.is_finite()) {
+    if let Some((mean, shares)) = thickness {
         strand.drawn_width = Some(mean);
         strand.along.width = shares;
     }
@@ -158,6 +158,16 @@ mod tests {
         assert!(raw.warnings.is_empty());
         bytes.push(0);
         assert_eq!(read(&bytes).unwrap().warnings.len(), 1);
+    }
+
+    /// It is for whoever fills in what is missing to say that a width cannot be.
+    #[test]
+    fn a_thickness_that_is_no_number_is_handed_on() {
+        let mut bytes = header(1, 2, HAS_POINTS | HAS_THICKNESS, 1);
+        bytes.extend(floats((0..6_u8).map(f32::from)));
+        bytes.extend(floats([1.0, f32::NAN]));
+        let strand = &read(&bytes).unwrap().strands[0];
+        assert!(strand.drawn_width.is_some_and(f64::is_nan) && strand.along.width.is_empty());
     }
 
     #[test]

@@ -1,18 +1,17 @@
 //! USD's text form: every `BasisCurves` under its transforms, in one groom.
 //!
 //! `tousle-usda` reads the layer and says what it does not follow. Where values change over time the first sample is
-//! taken for the rest pose.
+//! taken for the rest pose, with a warning.
 //!
 //! Source: `UsdGeomBasisCurves` for the meaning of curves.
 
 mod curves;
 mod properties;
 
-use nalgebra::Matrix4;
 use tousle_usda::{Prim, Specifier, UsdaError};
 
 use super::GroomFormat;
-use super::curves::Curves;
+use super::curves::{Curves, Place};
 use crate::error::GroomReadError;
 use crate::raw::RawGroom;
 
@@ -23,7 +22,7 @@ pub(super) fn read(text: &[u8]) -> Result<RawGroom, GroomReadError> {
     curves.raw.unit_m = Some(tousle_usda::meters_per_unit(&layer, &mut curves.raw.warnings)?);
     curves.raw.up_axis = Some(tousle_usda::up_axis(&layer, &mut curves.raw.warnings)?);
     for prim in &layer.prims {
-        visit(prim, "", &Matrix4::identity(), &mut curves)?;
+        visit(prim, "", Place::top(), &mut curves)?;
     }
     let warnings = curves.raw.warnings.clone();
     curves.finish().ok_or_else(|| {
@@ -48,12 +47,7 @@ fn unlike_others(prim: &Prim) -> Option<&'static str> {
 }
 
 /// Takes in a prim's curves and those below it. `over` and `class` prims are opinions, not things.
-fn visit(
-    prim: &Prim,
-    parent: &str,
-    world_from_parent: &Matrix4<f64>,
-    curves: &mut Curves,
-) -> Result<(), GroomReadError> {
+fn visit(prim: &Prim, parent: &str, above: Place, curves: &mut Curves) -> Result<(), GroomReadError> {
     if prim.specifier != Specifier::Def {
         return Ok(());
     }
@@ -66,14 +60,16 @@ fn visit(
         curves.raw.warnings.push(format!("{path}: {words}"));
     }
     let local = tousle_usda::local(prim, &path, None)?;
-    let world_from_prim = if local.resets { local.matrix } else { world_from_parent * local.matrix };
+    let above = if local.resets { Place::top() } else { above };
+    let place = above.then(&local.matrix, tousle_usda::is_animated(prim));
     if prim.type_name == "BasisCurves" {
         let first = curves.raw.strands.len();
-        curves.take(&curves::control(prim, &path)?, &world_from_prim)?;
+        let control = curves::control(prim, &path, &mut curves.raw.warnings)?;
+        curves.take(&control, &place)?;
         let RawGroom { strands, warnings, .. } = &mut curves.raw;
         properties::apply(prim, &path, &mut strands[first..], warnings);
     }
-    prim.children.iter().try_for_each(|child| visit(child, &path, &world_from_prim, curves))
+    prim.children.iter().try_for_each(|child| visit(child, &path, place, curves))
 }
 
 fn bad(place: String, found: &str, expected: &str) -> GroomReadError {

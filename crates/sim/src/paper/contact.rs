@@ -144,8 +144,10 @@ impl<L: Lane> Contacts<L> {
         let (nothing, one) = (margin_m.same(0.0), margin_m.same(1.0));
         let remembered = &mut self.slots[slot];
         let clearance_m = remembered.clearance_m;
-        let (gap, normal) = gaps(&scene.surfaces[touchable.collider], place);
-        self.seen[slot] = Seen { place, room_m: room(gap, clearance_m) };
+        let surface = &scene.surfaces[touchable.collider];
+        let (gap, normal) = gaps(surface, place);
+        self.seen[slot] = Seen { place, room_m: room(surface, gap, clearance_m) };
+        let margin_m = margin_m * margin_m.same(surface.steepness());
         let reaches = (clearance_m + margin_m).max(nothing) - gap;
         let touches = reaches.above(nothing, one, nothing);
         let touches = clearance_m.above(margin_m.same(f64::NEG_INFINITY), touches, nothing);

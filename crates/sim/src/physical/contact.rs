@@ -134,7 +134,7 @@ impl<L: Lane> Touchable<L> {
     fn look_at(&mut self, surface: &Surface, stick: usize, place: Vector<L>, margin_m: L, again: bool) -> L {
         let (limit_m, nothing) = (self.limits_m[stick], margin_m.same(0.0));
         let (gap, normal) = gaps(surface, place);
-        let beyond = gap - limit_m - margin_m;
+        let beyond = gap - limit_m - margin_m * margin_m.same(surface.steepness());
         // A NaN counts as near.
         if beyond.all_above(nothing) {
             self.let_go(stick, again);
@@ -153,7 +153,7 @@ impl<L: Lane> Touchable<L> {
                 }
             }
         }
-        room(gap, limit_m)
+        room(surface, gap, limit_m)
     }
 
     /// The end of a stick is far: nothing of what bore it is left, unless a step was begun with it.
@@ -355,6 +355,7 @@ pub(super) fn limit_m(clearance_m: f64, bearing_n: f64, stiffness: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tousle_core::Shape;
     use tousle_lanes::F64x1;
 
     #[test]
@@ -364,6 +365,38 @@ mod tests {
             let soft = depth.min(FRINGE_M);
             let pushes = soft * soft * 0.5 / FRINGE_M + (depth - soft);
             assert!((pushes - give).abs() < 1e-15, "{give} {pushes}");
+        }
+    }
+
+    /// What is not near does not touch before it has gone as far as it was looked for, however flat the surface.
+    #[test]
+    fn who_is_not_near_cannot_touch_within_the_margin() {
+        let (limit_m, margin_m, zero) = (0.004, 0.01, Vec3::zeros());
+        let shape = Shape::Ellipsoid { center_m: zero, half_axes_m: Vec3::new(0.1, 0.005, 0.005) };
+        let surface = Surface::new(&shape);
+        let moving = MovingSurface {
+            surface: surface.clone(),
+            velocity: zero,
+            angular_velocity: zero,
+            own_from_head: None,
+        };
+        for k in 0..30 * 30 {
+            let place = Vec3::new(f64::from(k % 30), 0.0, f64::from(k / 30)) * 0.01;
+            let mut touchable = Touchable {
+                collider: 0,
+                limits_m: vec![F64x1::splat(limit_m)],
+                pushes: vec![F64x1::zero()],
+                slips: vec![Vector::zero()],
+                is_borne: vec![false],
+                seen: vec![Seen::not_yet()],
+                near: Vec::new(),
+            };
+            touchable.look(&moving, [Vector::splat(place)].into_iter(), F64x1::splat(margin_m), false);
+            for way in 0..if touchable.near.is_empty() { 64 } else { 0 } {
+                let (sin, cos) = libm::sincos(f64::from(way) / 64.0 * std::f64::consts::TAU);
+                let gap_m = surface.gap(place + Vec3::new(cos, 0.0, sin) * margin_m).distance_m;
+                assert!(gap_m > limit_m, "{place} {way}: {gap_m}");
+            }
         }
     }
 

@@ -76,6 +76,9 @@ fn enclosed(path: &Path, args: &BodyArgs, region: &Region) -> anyhow::Result<(f6
     let mut axes = HeadAxes::usual(up);
     if let Some(forward) = args.mesh_forward {
         axes.forward = forward;
+        if axes.head_from_file().is_none() {
+            wrong!("--mesh-forward: found {forward}, expected an axis across --mesh-up {up}");
+        }
     }
     let mesh = tousle_mesh::read_mesh(&read_file(path)?, &MeshOptions { unit, axes })?;
     let across_m = mesh.across_m();

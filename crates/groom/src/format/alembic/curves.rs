@@ -1,21 +1,19 @@
 //! One curves object: its strands in the archive's own space.
 
-use nalgebra::Matrix4;
-
 use super::bad;
 use super::ogawa::Archive;
 use super::properties::Compound;
 use crate::error::GroomReadError;
 use crate::format::GroomFormat;
 use crate::format::curve::Basis;
-use crate::format::curves::{Control, Curves, Kind};
+use crate::format::curves::{Control, Curves, Kind, Place};
 
-/// Takes in the curves of a `.geom`; other kinds of geometry are passed over.
+/// Takes in the curves of a `.geom` at a place; other kinds of geometry are passed over.
 pub(super) fn take(
     archive: &Archive<'_>,
     geometry: &Compound,
     path: &str,
-    world_from_object: &Matrix4<f64>,
+    place: &Place,
     curves: &mut Curves,
 ) -> Result<(), GroomReadError> {
     let numbers = |name: &str| geometry.numbers(archive, name, path);
@@ -33,7 +31,7 @@ pub(super) fn take(
         widths: widths.as_ref().map(|w| w.numbers.as_slice()),
         is_animated: points.changes,
     };
-    curves.take(&control, world_from_object)
+    curves.take(&control, place)
 }
 
 /// How control points make a curve: type, periodicity, basis, each a byte.

@@ -12,11 +12,16 @@ pub(super) struct Local {
     pub(super) matrix: Matrix4<f64>,
     /// Whether the transforms above count too.
     pub(super) inherits: bool,
+    /// Whether a later sample differs.
+    pub(super) changes: bool,
 }
 
 pub(super) fn read(archive: &Archive<'_>, xform: &Compound, path: &str) -> Result<Local, GroomReadError> {
-    let numbers = |name: &str| -> Result<Vec<f64>, GroomReadError> {
-        Ok(xform.numbers(archive, name, path)?.map_or(Vec::new(), |v| v.numbers))
+    let mut changes = false;
+    let mut numbers = |name: &str| -> Result<Vec<f64>, GroomReadError> {
+        let Some(values) = xform.numbers(archive, name, path)? else { return Ok(Vec::new()) };
+        changes |= values.changes;
+        Ok(values.numbers)
     };
     let (ops, values) = (numbers(".ops")?, numbers(".vals")?);
     let mut rest = values.as_slice();
@@ -42,7 +47,7 @@ pub(super) fn read(archive: &Archive<'_>, xform: &Compound, path: &str) -> Resul
         return Err(bad(path, "a transform that is not finite", "finite numbers"));
     }
     let inherits = numbers(".inherits")?.first().is_none_or(|x| *x != 0.0);
-    Ok(Local { matrix, inherits })
+    Ok(Local { matrix, inherits, changes })
 }
 
 /// The matrix of an operation, for column vectors.

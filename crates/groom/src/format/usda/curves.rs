@@ -8,7 +8,11 @@ use crate::format::curves::{Control, Kind};
 use tousle_usda::Prim;
 
 /// A prim's control points and what they mean.
-pub(super) fn control<'a>(prim: &'a Prim, path: &'a str) -> Result<Control<'a>, GroomReadError> {
+pub(super) fn control<'a>(
+    prim: &'a Prim,
+    path: &'a str,
+    warnings: &mut Vec<String>,
+) -> Result<Control<'a>, GroomReadError> {
     let Some(counts) = prim.numbers("curveVertexCounts") else {
         return Err(bad(path.to_owned(), "no curveVertexCounts", "a count for each curve"));
     };
@@ -18,9 +22,22 @@ pub(super) fn control<'a>(prim: &'a Prim, path: &'a str) -> Result<Control<'a>, 
         kind: kind(prim, path)?,
         counts,
         points: prim.numbers("points").unwrap_or_default(),
-        widths: prim.numbers("widths"),
+        widths: widths(prim, path, warnings),
         is_animated: prim.is_animated("points"),
     })
+}
+
+/// How wide curves are drawn. As for all that may be a primvar, one of that name goes before the attribute.
+///
+/// Source: `UsdImagingBasisCurvesAdapter`, which asks for `primvars:widths` first.
+fn widths<'a>(prim: &'a Prim, path: &str, warnings: &mut Vec<String>) -> Option<&'a [f64]> {
+    let Some(widths) = prim.numbers("primvars:widths") else { return prim.numbers("widths") };
+    let is_indexed = prim.properties.contains_key("primvars:widths:indices");
+    if is_indexed {
+        let expected = "one width, or one a curve or a point";
+        warnings.push(format!("{path}.primvars:widths: found indices, expected {expected}: no widths used"));
+    }
+    (!is_indexed).then_some(widths)
 }
 
 /// How control points make a curve; USD's own fallbacks where the prim does not say: cubic, Bézier, open.
@@ -57,7 +74,7 @@ mod tests {
     fn kind_of(body: &str) -> Result<Kind, GroomReadError> {
         let layer =
             parse(format!("def BasisCurves \"c\" {{ int[] curveVertexCounts = [2] {body} }}").as_bytes())?;
-        control(&layer.prims[0], "/c").map(|c| c.kind)
+        control(&layer.prims[0], "/c", &mut Vec::new()).map(|c| c.kind)
     }
 
     #[test]
@@ -76,6 +93,24 @@ mod tests {
     }
 
     #[test]
+    fn a_primvars_widths_go_before_the_attributes() {
+        let attribute = "float[] widths = [1]";
+        let primvar = "float[] primvars:widths = [2, 3]";
+        let indices = "int[] primvars:widths:indices = [1, 0]";
+        for (body, expected, n_warnings) in [
+            (String::new(), None, 0),
+            (attribute.to_owned(), Some(&[1.0][..]), 0),
+            (format!("{attribute} {primvar}"), Some(&[2.0, 3.0]), 0),
+            (format!("{attribute} {primvar} {indices}"), None, 1),
+        ] {
+            let layer = parse(format!("def BasisCurves \"c\" {{ {body} }}").as_bytes()).unwrap();
+            let mut warnings = Vec::new();
+            assert_eq!(widths(&layer.prims[0], "/c", &mut warnings), expected, "{body}");
+            assert_eq!(warnings.len(), n_warnings, "{warnings:?}");
+        }
+    }
+
+    #[test]
     fn kinds_that_make_no_strand() {
         for (body, says) in [
             ("token type = \"nurbs\"", "type \"nurbs\""),
@@ -86,7 +121,7 @@ mod tests {
             assert!(error.contains(says), "{says}: {error}");
         }
         let layer = parse(b"def BasisCurves \"c\" { }").unwrap();
-        let error = control(&layer.prims[0], "/c").err().unwrap().to_string();
+        let error = control(&layer.prims[0], "/c", &mut Vec::new()).err().unwrap().to_string();
         assert!(error.contains("no curveVertexCounts"), "{error}");
     }
 }
