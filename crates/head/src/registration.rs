@@ -73,10 +73,7 @@ fn tried(n: usize) -> impl Iterator<Item = [usize; 3]> {
     let n_all = n * n.saturating_sub(1) * n.saturating_sub(2) / 6;
     let share = MOST_TRIPLES as f64 / n_all as f64;
     let golden = |idx: usize| (idx as f64 * 0.618_033_988_749_894_9).fract();
-    all.enumerate()
-        .filter(move |(idx, _)| golden(*idx) < share)
-        .map(|(_, triple)| triple)
-        .take(MOST_TRIPLES)
+    all.enumerate().filter(move |(idx, _)| golden(*idx) < share).map(|(_, triple)| triple).take(MOST_TRIPLES)
 }
 
 fn agreeing(pairs: &[Pair], pose: &Pose, tolerance_m: f64) -> Vec<usize> {
@@ -180,7 +177,11 @@ mod tests {
         let off = |k: usize| Vec3::new((k % 5) as f64 - 2.0, (k % 7) as f64 - 3.0, 1.0) * 0.02;
         let pair = |k: usize| {
             let seen_m = pose.rotation * on_head(k) + pose.translation.vector;
-            Pair { marker: k, place_m: on_head(k), seen_m: if k % 3 == 0 { seen_m } else { seen_m + off(k) } }
+            Pair {
+                marker: k,
+                place_m: on_head(k),
+                seen_m: if k.is_multiple_of(3) { seen_m } else { seen_m + off(k) },
+            }
         };
         let pairs: Vec<Pair> = (0..64).map(pair).collect();
         let found = register(&pairs, &[1.0; 64], 2e-3).unwrap();
