@@ -111,7 +111,7 @@ fn head_collider(session: &Session) -> Result<Option<String>, String> {
     let head = if is_assumed {
         "an adult's head, as the session has no `colliders`"
     } else {
-        "`head_ellipsoid_half_axes_mm`"
+        "`colliders.head_ellipsoid_half_axes_mm`"
     };
     let words = format!(
         "{head}: found roots (`root_mm`) at {share:.2} of the way from its center to its surface (the median), expected them on it"

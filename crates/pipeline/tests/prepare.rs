@@ -124,13 +124,16 @@ fn a_head_on_which_no_hair_grows_is_told() {
     let doubled = warnings(scaled(1.8));
     assert_eq!(doubled.len(), 1, "{doubled:?}");
     assert!(
-        doubled[0].starts_with("`head_ellipsoid_half_axes_mm`: found roots (`root_mm`) at 0.5")
+        doubled[0].starts_with("`colliders.head_ellipsoid_half_axes_mm`: found roots (`root_mm`) at 0.5")
             && doubled[0].ends_with("expected them on it"),
         "{doubled:?}"
     );
     for factor in [0.1, 0.001, 10.0] {
         let error = error(scaled(factor));
-        assert!(error.contains("capture demo: `head_ellipsoid_half_axes_mm`: found roots"), "{error}");
+        assert!(
+            error.contains("capture demo: `colliders.head_ellipsoid_half_axes_mm`: found roots"),
+            "{error}"
+        );
     }
     let error = error(|session| {
         session.as_object_mut().unwrap().remove("colliders");
