@@ -288,7 +288,7 @@ impl Work {
             .collect();
         let scene = self.scene();
         let fills: Vec<(usize, Range<usize>, Vec<Fill>)> =
-            gaps.into_par_iter().map(|(m, gap)| (m, gap.clone(), fill_gap(scene, m, gap))).collect();
+            gaps.into_par_iter().map(|(m, gap)| (m, gap.clone(), fill_gap(scene, m, &gap, &gap))).collect();
         let borrowed = fills.iter().flat_map(|(_, _, f)| f).map(|f| f.expected_error_m);
         let borrowed = borrowed.filter(|e| e.is_finite()).fold(self.usual_noise_m, f64::max);
         for (marker, gap, parts) in fills {
@@ -368,7 +368,8 @@ impl Work {
 
     fn shape_residual_m(&self, marker: usize) -> Option<f64> {
         let others: Vec<usize> = self.locks.lock_of(marker).filter(|n| *n != marker).collect();
-        let model = ShapeModel::new(&self.locks, &self.tracks, marker, neighbors(marker, &others, 1))?;
+        let (nearest, frames) = (neighbors(marker, &others, 1), 0..self.tracks[marker].n_frames());
+        let model = ShapeModel::new(&self.locks, &self.tracks, marker, nearest, frames)?;
         let coefficients = model.without(&(0..0))?;
         let miss =
             |f: usize| Some((model.predict(&coefficients, f)? - self.tracks[marker].at(f)?).norm_squared());

@@ -9,6 +9,7 @@ mod clean;
 mod far;
 mod gaps;
 mod interpolate;
+mod learned;
 mod lock;
 mod motion;
 mod pieces;

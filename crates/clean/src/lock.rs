@@ -117,16 +117,17 @@ impl Locks {
     }
 
     /// The greatest distance between two markers of a lock (or one and the root), m: the hair between them, or,
-    /// as hands measure hair to a millimeter or two, what was seen, rare outliers aside.
-    pub(crate) fn reach_m(&self, tracks: &[Track], marker: usize, other: Option<usize>) -> f64 {
-        let mut seen: Vec<f64> = match other {
-            Some(other) => tracks[marker]
-                .iter()
-                .zip(tracks[other].iter())
-                .filter_map(|(p, q)| Some((p? - q?).norm()))
-                .collect(),
-            None => tracks[marker].iter().flatten().map(|p| (p - self.root_m(marker)).norm()).collect(),
-        };
+    /// as hands measure hair to a millimeter or two, what was seen in some frames, rare outliers aside.
+    pub(crate) fn reach_m(
+        &self,
+        tracks: &[Track],
+        marker: usize,
+        other: Option<usize>,
+        frames: Range<usize>,
+    ) -> f64 {
+        let anchor = |f: usize| other.map_or(Some(self.root_m(marker)), |other| tracks[other].at(f));
+        let mut seen: Vec<f64> =
+            frames.filter_map(|f| Some((tracks[marker].at(f)? - anchor(f)?).norm())).collect();
         let hair = other.map_or(self.markers[marker].arc_m, |other| self.between_m(marker, other));
         if seen.is_empty() {
             return hair;

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use tousle_clean::{CleanError, CleanOptions, clean};
+use tousle_clean::{CleanError, CleanOptions, Cleaned, clean};
 use tousle_core::{
     HeadCapture, HeadPose, Pose, SampleKind, Session, StrandMarker, StrandSpec, StrandTracks, Track,
     UnlabeledTrack, Vec3,
@@ -56,14 +56,18 @@ fn position(k: usize, m: usize, frame: usize) -> Vec3 {
 }
 
 fn capture() -> HeadCapture {
-    let track = |k: usize, m: usize| (0..N_FRAMES).map(|f| Some(position(k, m, f))).collect();
+    capture_of(N_FRAMES)
+}
+
+fn capture_of(n_frames: usize) -> HeadCapture {
+    let track = |k: usize, m: usize| (0..n_frames).map(|f| Some(position(k, m, f))).collect();
     let strand =
         |k: usize| StrandTracks { strand_idx: k, markers: (1..=N_MARKERS).map(|m| track(k, m)).collect() };
     let pose = HeadPose::exact(Pose::identity(), 8);
     HeadCapture {
         rate_hz: 120.0,
         first_frame: 1,
-        poses: vec![Some(pose); N_FRAMES],
+        poses: vec![Some(pose); n_frames],
         strands: (0..3).map(strand).collect(),
         unlabeled: Vec::new(),
     }
@@ -217,6 +221,23 @@ fn what_an_exchange_explains_is_not_refused() {
     let cleaned = clean(&spoiled, &session, &CleanOptions::default()).unwrap();
     assert_eq!(cleaned.head, right);
     assert_eq!((cleaned.report.swaps.len(), &cleaned.report.far[..]), (1, &[][..]));
+}
+
+/// Or cleaning an hour would take the square of what a minute takes.
+#[test]
+fn a_gap_is_filled_from_what_is_near_in_time() {
+    let mut long = capture_of(2000);
+    (200..220).for_each(|f| long.strands[1].markers[1].set(f, None));
+    let mut lost_later = long.clone();
+    let later = lost_later.strands[1].markers.iter_mut().skip(1);
+    later.for_each(|marker| (1500..2000).for_each(|f| marker.set(f, None)));
+    let [long, lost_later] =
+        [long, lost_later].map(|head| clean(&head, &session(), &CleanOptions::default()).unwrap());
+    let filled = |cleaned: &Cleaned| -> Vec<_> {
+        (200..220).map(|f| (cleaned.head.strands[1].markers[1].at(f), cleaned.samples[1][1][f])).collect()
+    };
+    assert_eq!(filled(&long), filled(&lost_later));
+    assert!(error(&long.head, 1, 2, 200..220) < 3e-3);
 }
 
 /// A capture with a piece of S1_3 in a gap of its own, and a ghost beside it.
