@@ -1,9 +1,11 @@
+use crate::far::{Far, refuse_far, refuse_foreign};
 use crate::gaps::{Fill, Scene, fill_gap, gaps};
 use crate::lock::Locks;
 use crate::motion::{Continuity, white_noise};
 use crate::pieces::{Piece, Verdict, judge, pieces, volume_m3};
 use crate::report::{
-    CleanReport, GapFilled, GhostRefused, MarkerTimeline, PieceGivenBack, SpikeCut, SwapMended, Unfilled,
+    CleanReport, FarRefused, GapFilled, GhostRefused, MarkerTimeline, PieceGivenBack, SpikeCut, SwapMended,
+    Unfilled,
 };
 use crate::shape::{ShapeModel, neighbors};
 use crate::spikes::cut_spikes;
@@ -84,8 +86,9 @@ pub enum CleanError {
 /// In: head-space positions, m, with gaps. Out: the same tracks with as few gaps as possible; for each sample
 /// where it comes from and its expected error, m; a list of every change.
 ///
-/// In this order, each step seeing what the last one mended: exchanged labels (two motions break in one frame
-/// and each goes on as the other), spikes (samples that leave the motion and come back), nameless pieces (near
+/// In this order, each step seeing what the last one mended: samples that are too far off to be any lock's,
+/// exchanged labels (two motions break in one frame and each goes on as the other), samples that are farther from
+/// their own lock's root than hair lets their marker be, spikes (samples that leave the motion and come back), nameless pieces (near
 /// where the lock says the marker is, by how far off that usually is), gaps (from the seen neighbors on the lock
 /// and the offset at both ends; each method is tried on frames that were seen, and the best one fills). The
 /// paper does not say how it cleaned.
@@ -96,8 +99,11 @@ pub fn clean(head: &HeadCapture, session: &Session, options: &CleanOptions) -> R
     check(head, session)?;
     let n_markers: Vec<usize> = head.strands.iter().map(|s| s.markers.len()).collect();
     let locks = Locks::of(session, &n_markers);
-    let mut work = Work::new(head, session, locks);
+    let mut tracks: Vec<Track> = head.strands.iter().flat_map(|s| s.markers.iter().cloned()).collect();
+    let foreign = refuse_foreign(&mut tracks, &locks);
+    let mut work = Work::new(head, session, locks, tracks);
     work.mend_swaps(options);
+    work.refuse_far(foreign);
     work.cut_spikes(options);
     let unlabeled = work.give_back(head, options);
     work.fill_gaps();
@@ -135,9 +141,8 @@ struct Work {
 }
 
 impl Work {
-    fn new(head: &HeadCapture, session: &Session, locks: Locks) -> Self {
+    fn new(head: &HeadCapture, session: &Session, locks: Locks, tracks: Vec<Track>) -> Self {
         let still = session.still_range(head.first_frame, head.n_frames());
-        let tracks: Vec<Track> = head.strands.iter().flat_map(|s| s.markers.iter().cloned()).collect();
         let noise_m: Vec<Option<f64>> = tracks.par_iter().map(|t| white_noise(t, still)).collect();
         let usual_noise_m = median_high(noise_m.iter().flatten().copied().collect()).unwrap_or(0.0);
         let sample = |p: Option<_>| match p {
@@ -181,6 +186,25 @@ impl Work {
                     };
                 }
             }
+        }
+    }
+
+    /// Takes out what is too far from its own lock, and lists it with what was foreign to all of them.
+    fn refuse_far(&mut self, foreign: Vec<Far>) {
+        let mut refused = refuse_far(&mut self.tracks, &self.locks);
+        refused.extend(foreign);
+        refused.sort_by_key(|far| (far.marker, far.frames.start));
+        for Far { marker, frames, distance_m } in refused {
+            for f in frames.clone() {
+                self.samples[marker][f] = Sample { kind: SampleKind::Missing, error_m: f64::INFINITY };
+            }
+            self.report.far.push(FarRefused {
+                strand: self.locks.strand_name(marker).to_owned(),
+                marker: self.label(marker),
+                span: self.span(&frames),
+                distance_m,
+                reach_m: self.locks.farthest_m(marker),
+            });
         }
     }
 
@@ -264,7 +288,7 @@ impl Work {
             .collect();
         let scene = self.scene();
         let fills: Vec<(usize, Range<usize>, Vec<Fill>)> =
-            gaps.into_par_iter().map(|(m, gap)| (m, gap.clone(), fill_gap(scene, m, gap))).collect();
+            gaps.into_par_iter().map(|(m, gap)| (m, gap.clone(), fill_gap(scene, m, &gap, &gap))).collect();
         let borrowed = fills.iter().flat_map(|(_, _, f)| f).map(|f| f.expected_error_m);
         let borrowed = borrowed.filter(|e| e.is_finite()).fold(self.usual_noise_m, f64::max);
         for (marker, gap, parts) in fills {
@@ -344,7 +368,8 @@ impl Work {
 
     fn shape_residual_m(&self, marker: usize) -> Option<f64> {
         let others: Vec<usize> = self.locks.lock_of(marker).filter(|n| *n != marker).collect();
-        let model = ShapeModel::new(&self.locks, &self.tracks, marker, neighbors(marker, &others, 1))?;
+        let (nearest, frames) = (neighbors(marker, &others, 1), 0..self.tracks[marker].n_frames());
+        let model = ShapeModel::new(&self.locks, &self.tracks, marker, nearest, frames)?;
         let coefficients = model.without(&(0..0))?;
         let miss =
             |f: usize| Some((model.predict(&coefficients, f)? - self.tracks[marker].at(f)?).norm_squared());

@@ -1,6 +1,7 @@
 //! Gaps filled from the lock's own shape, each with the error that the same fill makes where the truth is seen.
 
 use crate::interpolate::{End, carry};
+use crate::learned::Learned;
 use crate::lock::Locks;
 use crate::report::FillMethod;
 use crate::shape::{Coefficients, ShapeModel, neighbors};
@@ -39,38 +40,54 @@ pub(crate) fn gaps(track: &Track) -> Vec<Range<usize>> {
     runs(track.n_frames(), |f| track.at(f).is_none())
 }
 
-/// Fills one gap of one marker, part by part; empty if the marker was never seen.
-pub(crate) fn fill_gap(scene: Scene<'_>, target: usize, gap: Range<usize>) -> Vec<Fill> {
+/// Fills one gap of one marker, part by part, where parts hold some of the `wanted` frames; empty if the marker was never seen.
+pub(crate) fn fill_gap(
+    scene: Scene<'_>,
+    target: usize,
+    gap: &Range<usize>,
+    wanted: &Range<usize>,
+) -> Vec<Fill> {
     let lock = scene.locks.lock_of(target);
     let seen_at = |f: usize| -> Vec<usize> {
         lock.clone().filter(|&n| n != target && scene.tracks[n].at(f).is_some()).collect()
     };
+    let mut learned = Learned::round(scene, target, gap);
     let mut fills = Vec::new();
     let mut start = gap.start;
-    while start < gap.end {
+    while start < gap.end.min(wanted.end) {
         let seen = seen_at(start);
         let end = (start..gap.end).find(|&f| seen_at(f) != seen).unwrap_or(gap.end);
-        fills.extend(fill_run(scene, target, start..end, &seen));
+        if end > wanted.start {
+            fills.extend(fill_run(&mut learned, start..end, &seen));
+        }
         start = end;
     }
     fills
 }
 
-fn fill_run(scene: Scene<'_>, target: usize, run: Range<usize>, seen: &[usize]) -> Option<Fill> {
-    let [nearest, more] = [1, 2].map(|per_side| neighbors(target, seen, per_side));
+fn fill_run(learned: &mut Learned<'_>, run: Range<usize>, seen: &[usize]) -> Option<Fill> {
+    let [nearest, more] = [1, 2].map(|per_side| neighbors(learned.target, seen, per_side));
+    learned.learn(&nearest);
+    learned.learn(&more);
+    let mut fill = best_fill(learned, run, [&nearest, &more])?;
+    fill.shortened_frames = hold_to_length(learned, &fill.frames, seen, &mut fill.positions);
+    Some(fill)
+}
+
+/// What the best of all methods fills a run with, tried where the marker is seen.
+fn best_fill(learned: &Learned<'_>, run: Range<usize>, [nearest, more]: [&[usize]; 2]) -> Option<Fill> {
     // Where there are no more neighbors than the nearest, both models are the same.
-    let near =
-        (nearest != more).then(|| ShapeModel::new(scene.locks, scene.tracks, target, nearest)).flatten();
-    let wide = ShapeModel::new(scene.locks, scene.tracks, target, more);
+    let near = if nearest == more { None } else { learned.model(nearest) };
+    let wide = learned.model(more);
     // Of methods that nowhere can be tried, the first one is taken: it never runs away.
     let by_model = [
-        (wide.as_ref().map(Some), [(FillMethod::Lock, LINE), (FillMethod::LockCubic, CUBIC)]),
-        (near.as_ref().map(Some), [(FillMethod::NeighborsCubic, CUBIC), (FillMethod::Neighbors, LINE)]),
+        (wide.map(Some), [(FillMethod::Lock, LINE), (FillMethod::LockCubic, CUBIC)]),
+        (near.map(Some), [(FillMethod::NeighborsCubic, CUBIC), (FillMethod::Neighbors, LINE)]),
         (Some(None), [(FillMethod::Cubic, CUBIC), (FillMethod::Line, LINE)]),
     ];
     let mut best: Option<(Trials, Filler<'_>, FillMethod, usize)> = None;
     for (model, methods) in by_model {
-        let filler = model.and_then(|model| Filler::new(scene, target, run.clone(), model));
+        let filler = model.and_then(|model| Filler::new(learned, run.clone(), model));
         let Some(filler) = filler else { continue };
         let trials = filler.trials();
         for (method, shape) in methods {
@@ -82,8 +99,7 @@ fn fill_run(scene: Scene<'_>, target: usize, run: Range<usize>, seen: &[usize]) 
     let (trials, filler, method, shape) = best?;
     let coefficients = filler.learn(0..0);
     let fill = filler.moved(coefficients.as_ref(), 0)?;
-    let mut positions: Vec<Vec3> = run.clone().map(|f| Some(fill.at(f)?[shape])).collect::<Option<_>>()?;
-    let shortened_frames = hold_to_length(scene, target, &run, seen, &mut positions);
+    let positions = run.clone().map(|f| Some(fill.at(f)?[shape])).collect::<Option<_>>()?;
     // The lock was where it never was in the trials: they tell too little, by as much as the regression says.
     let novelty = filler.novelty(coefficients.as_ref(), run.clone());
     let strange = if novelty > trials.novelty() { (novelty / trials.novelty()).sqrt() } else { 1.0 };
@@ -94,23 +110,22 @@ fn fill_run(scene: Scene<'_>, target: usize, run: Range<usize>, seen: &[usize]) 
         errors_m: trials.per_frame().map(|errors| errors.into_iter().map(|e| e * strange).collect()),
         method,
         trials: trials.n,
-        shortened_frames,
+        shortened_frames: 0,
     })
 }
 
 /// Draws positions to where the lock's length lets the marker be; how many frames it had to.
 fn hold_to_length(
-    scene: Scene<'_>,
-    target: usize,
+    learned: &mut Learned<'_>,
     run: &Range<usize>,
     seen: &[usize],
     positions: &mut [Vec3],
 ) -> usize {
-    let reach = |other| scene.locks.reach_m(scene.tracks, target, other);
+    let (scene, target) = (learned.scene, learned.target);
     let nearest = [seen.iter().rev().find(|n| **n < target), seen.iter().find(|n| **n > target)];
     let mut limits: Vec<(Option<usize>, f64)> =
-        nearest.into_iter().flatten().map(|&n| (Some(n), reach(Some(n)))).collect();
-    limits.push((None, reach(None)));
+        nearest.into_iter().flatten().map(|&n| (Some(n), learned.reach_m(Some(n)))).collect();
+    limits.push((None, learned.reach_m(None)));
     let mut n_shortened = 0;
     for (f, p) in run.clone().zip(positions) {
         let before = *p;
@@ -138,6 +153,8 @@ struct Filler<'a> {
     scene: Scene<'a>,
     target: usize,
     run: Range<usize>,
+    /// Where it may be tried.
+    within: Range<usize>,
     model: Option<&'a ShapeModel<'a>>,
     left: Option<usize>,
     right: Option<usize>,
@@ -145,18 +162,14 @@ struct Filler<'a> {
 
 impl<'a> Filler<'a> {
     /// `None` without a seen frame on either side.
-    fn new(
-        scene: Scene<'a>,
-        target: usize,
-        run: Range<usize>,
-        model: Option<&'a ShapeModel<'a>>,
-    ) -> Option<Self> {
+    fn new(learned: &'a Learned<'_>, run: Range<usize>, model: Option<&'a ShapeModel<'a>>) -> Option<Self> {
+        let Learned { scene, target, .. } = *learned;
         let track = &scene.tracks[target];
         let anchor = |f: &usize| track.at(*f).is_some() && model.is_none_or(|m| m.applies(*f));
         let left = (0..run.start).rev().find(anchor);
         let right = (run.end..track.n_frames()).find(anchor);
         left.or(right)?;
-        Some(Self { scene, target, run, model, left, right })
+        Some(Self { scene, target, run, within: learned.frames.clone(), model, left, right })
     }
 
     /// What the neighbors tell, learned without the frames in `hidden`.
@@ -190,13 +203,13 @@ impl<'a> Filler<'a> {
     /// Runs in the still interval are tried there, others elsewhere, and everywhere if that is too little to
     /// tell; what is to be filled is learned without. Whatever goes as a line is tried as a cubic in the same places.
     fn trials(&self) -> [Trials; 2] {
-        let n_frames = self.scene.tracks[self.target].n_frames();
         let first = self.left.unwrap_or(self.run.start);
         let last = self.right.unwrap_or(self.run.end - 1);
-        let n_shifts = n_frames - (last - first);
+        let n_shifts = self.within.len() - (last - first);
         // Twice as many places are looked at as trials are wanted, as half of them may be hidden.
         let n_places = n_shifts.min(2 * MOST_TRIALS);
-        let shifts = (0..n_places).map(|k| (k * n_shifts / n_places) as isize - first as isize);
+        let shifts =
+            (0..n_places).map(|k| (self.within.start + k * n_shifts / n_places) as isize - first as isize);
         let moved = |f: usize, shift: isize| f.saturating_add_signed(shift);
         let (like, unlike): (Vec<isize>, Vec<isize>) = shifts
             .filter(|s| {

@@ -1,4 +1,4 @@
-//! Cleans the locks' tracks: spikes cut, swapped labels mended, nameless pieces given back, ghosts refused,
+//! Cleans the locks' tracks: what is too far off to be hair refused, spikes cut, swapped labels mended, nameless pieces given back, ghosts refused,
 //! gaps filled from the lock's own shape. Nothing is changed in silence: the report lists every change, and
 //! every sample says whether a camera saw it.
 //!
@@ -6,8 +6,10 @@
 //! lock's markers tell where a hidden one is), so that the same code serves quiet and violent hair.
 
 mod clean;
+mod far;
 mod gaps;
 mod interpolate;
+mod learned;
 mod lock;
 mod motion;
 mod pieces;
@@ -18,6 +20,6 @@ mod swaps;
 
 pub use clean::{CleanError, CleanOptions, Cleaned, clean};
 pub use report::{
-    CleanReport, FillMethod, GapFilled, GhostRefused, MarkerTimeline, PieceGivenBack, SpikeCut, SwapMended,
-    Unfilled,
+    CleanReport, FarRefused, FillMethod, GapFilled, GhostRefused, MarkerTimeline, PieceGivenBack, SpikeCut,
+    SwapMended, Unfilled,
 };

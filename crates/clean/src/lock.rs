@@ -3,6 +3,11 @@
 use std::ops::Range;
 use tousle_core::{Session, Track, Vec3};
 
+/// How much farther from its root than its place along the lock a marker may seem: hands lay a tape along hair with an error of some
+/// percent, and a root is told to some centimeters. Beyond that it is something else that bears the label.
+const MOST_SEEN: f64 = 1.25;
+const MEASURING_SLACK_M: f64 = 0.05;
+
 /// One marker of one lock.
 #[derive(Clone, Debug)]
 pub(crate) struct Marker {
@@ -10,6 +15,8 @@ pub(crate) struct Marker {
     pub strand_idx: usize,
     /// Distance from the root along the lock, m; by even spacing if it was not measured.
     pub arc_m: f64,
+    /// The greatest distance from the root that it can be seen at, m.
+    farthest_m: f64,
 }
 
 /// All locks, their markers in one flat row: lock after lock, root to tip.
@@ -31,7 +38,10 @@ impl Locks {
             for (k, marker) in spec.markers.iter().take(*n).enumerate() {
                 let even = spec.length_m * (k + 1) as f64 / *n as f64;
                 let arc_m = marker.distance_from_root_m.unwrap_or(even);
-                locks.markers.push(Marker { label: marker.label.clone(), strand_idx, arc_m });
+                // A marker that nobody measured may be anywhere down to the tip.
+                let hair_m = marker.distance_from_root_m.unwrap_or(spec.length_m);
+                let farthest_m = MOST_SEEN * hair_m + MEASURING_SLACK_M;
+                locks.markers.push(Marker { label: marker.label.clone(), strand_idx, arc_m, farthest_m });
             }
             locks.members.push(first..locks.markers.len());
             locks.roots_m.push(spec.root_m);
@@ -46,6 +56,17 @@ impl Locks {
 
     pub(crate) fn root_m(&self, marker: usize) -> Vec3 {
         self.roots_m[self.markers[marker].strand_idx]
+    }
+
+    /// The greatest distance from its root at which a marker can be seen, m.
+    pub(crate) fn farthest_m(&self, marker: usize) -> f64 {
+        self.markers[marker].farthest_m
+    }
+
+    /// Whether some marker of some lock can be at a place.
+    pub(crate) fn is_within_reach_of_any(&self, place_m: Vec3) -> bool {
+        let can_be = |marker: usize| (place_m - self.root_m(marker)).norm() <= self.farthest_m(marker);
+        (0..self.markers.len()).any(can_be)
     }
 
     pub(crate) fn strand_name(&self, marker: usize) -> &str {
@@ -96,16 +117,17 @@ impl Locks {
     }
 
     /// The greatest distance between two markers of a lock (or one and the root), m: the hair between them, or,
-    /// as hands measure hair to a millimeter or two, what was seen, rare outliers aside.
-    pub(crate) fn reach_m(&self, tracks: &[Track], marker: usize, other: Option<usize>) -> f64 {
-        let mut seen: Vec<f64> = match other {
-            Some(other) => tracks[marker]
-                .iter()
-                .zip(tracks[other].iter())
-                .filter_map(|(p, q)| Some((p? - q?).norm()))
-                .collect(),
-            None => tracks[marker].iter().flatten().map(|p| (p - self.root_m(marker)).norm()).collect(),
-        };
+    /// as hands measure hair to a millimeter or two, what was seen in some frames, rare outliers aside.
+    pub(crate) fn reach_m(
+        &self,
+        tracks: &[Track],
+        marker: usize,
+        other: Option<usize>,
+        frames: Range<usize>,
+    ) -> f64 {
+        let anchor = |f: usize| other.map_or(Some(self.root_m(marker)), |other| tracks[other].at(f));
+        let mut seen: Vec<f64> =
+            frames.filter_map(|f| Some((tracks[marker].at(f)? - anchor(f)?).norm())).collect();
         let hair = other.map_or(self.markers[marker].arc_m, |other| self.between_m(marker, other));
         if seen.is_empty() {
             return hair;

@@ -55,7 +55,9 @@ pub(crate) fn judge(scene: Scene<'_>, piece: &Piece<'_>, volume_m3: f64) -> Verd
     locks.dedup();
     let candidates: Vec<(usize, Fit)> = missing
         .into_par_iter()
-        .filter_map(|(marker, gap)| Some((marker, Fit::of(piece, &fill_gap(scene, marker, gap))?)))
+        .filter_map(|(marker, gap)| {
+            Some((marker, Fit::of(piece, &fill_gap(scene, marker, &gap, &piece.frames))?))
+        })
         .collect();
     // As many markers as are in a gap may have lost it; a ghost is as likely as all of them together.
     let prior = -libm::log(candidates.len().max(1) as f64);

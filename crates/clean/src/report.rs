@@ -4,6 +4,8 @@ use tousle_core::FrameSpan;
 /// Everything that cleaning found and changed. Frames are numbered as the file does, both ends included.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct CleanReport {
+    /// Samples farther from their lock's root than hair reaches, left out; what they leave is a gap.
+    pub far: Vec<FarRefused>,
     /// Outliers cut out of a track; what they leave is a gap.
     pub spikes: Vec<SpikeCut>,
     /// Markers that had exchanged labels.
@@ -25,6 +27,47 @@ impl CleanReport {
     pub fn n_gaps_filled(&self) -> usize {
         self.markers.iter().map(|m| m.filled.len()).sum()
     }
+
+    /// What someone should look at, in words: labels that were on something else than hair, lock after lock.
+    pub fn warnings(&self) -> Vec<String> {
+        self.far.chunk_by(|a, b| a.strand == b.strand).map(far_in_words).collect()
+    }
+}
+
+/// What was too far from the root of one lock, in words.
+fn far_in_words(of_lock: &[FarRefused]) -> String {
+    let of_marker = |far: &[FarRefused]| {
+        let n_frames: u64 = far.iter().map(|far| far.span.n_frames()).sum();
+        let farthest_m = far.iter().map(|far| far.distance_m).fold(0.0, f64::max);
+        format!(
+            "{} up to {farthest_m:.2} m, expected at most {:.2} m (frames {} to {}, {n_frames} in all)",
+            far[0].marker,
+            far[0].reach_m,
+            far[0].span.first_frame,
+            far[far.len() - 1].span.last_frame,
+        )
+    };
+    let markers: Vec<String> = of_lock.chunk_by(|a, b| a.marker == b.marker).map(of_marker).collect();
+    format!(
+        "lock {}: found markers farther from its root than hair lets them be, and left them out: {}",
+        of_lock[0].strand,
+        markers.join("; ")
+    )
+}
+
+/// Samples that no marker in its place on its lock can be.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FarRefused {
+    /// The lock's name.
+    pub strand: String,
+    /// The marker's label.
+    pub marker: String,
+    /// The frames.
+    pub span: FrameSpan,
+    /// How far from the lock's root the farthest of them was, m.
+    pub distance_m: f64,
+    /// How far the hair lets the marker be, measuring errors included, m.
+    pub reach_m: f64,
 }
 
 /// An outlier that was cut out.

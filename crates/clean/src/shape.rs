@@ -9,13 +9,15 @@ use tousle_core::{Track, Vec3};
 /// two as the session says, plus an offset that depends linearly on where the neighbors are.
 ///
 /// The offset's dependence is learned from the frames in which all of them are seen, by ridge regression: what
-/// those frames do not tell stays near zero. Sums over frames are kept, so that leaving some out is cheap.
+/// those frames do not tell stays near zero. Only some frames are looked at. Sums over frames are kept, so that leaving some out is cheap.
 #[derive(Debug)]
 pub(crate) struct ShapeModel<'a> {
     locks: &'a Locks,
     tracks: &'a [Track],
     target: usize,
     neighbors: Vec<usize>,
+    /// The first of the frames that are looked at.
+    first: usize,
     /// Column by column, where the neighbors are in each frame, less where they are on average, m; then 1. Nothing where one
     /// is not seen.
     features: DMatrix<f64>,
@@ -53,12 +55,14 @@ pub(crate) fn neighbors(target: usize, seen: &[usize], per_side: usize) -> Vec<u
 }
 
 impl<'a> ShapeModel<'a> {
-    /// The model of `target` from some [`neighbors`]; `None` without any, or if they are seen together too rarely.
+    /// The model of `target` from some [`neighbors`] in some frames; `None` without any, or if they are seen together there too
+    /// rarely.
     pub(crate) fn new(
         locks: &'a Locks,
         tracks: &'a [Track],
         target: usize,
         neighbors: Vec<usize>,
+        frames: Range<usize>,
     ) -> Option<Self> {
         if neighbors.is_empty() {
             return None;
@@ -69,7 +73,8 @@ impl<'a> ShapeModel<'a> {
             tracks,
             target,
             neighbors,
-            features: DMatrix::zeros(width, tracks[target].n_frames()),
+            first: frames.start,
+            features: DMatrix::zeros(width, frames.len()),
             frames: Vec::new(),
             gram: DMatrix::zeros(width, width),
             cross: DMatrix::zeros(width, 3),
@@ -81,20 +86,20 @@ impl<'a> ShapeModel<'a> {
     }
 
     fn learn(&mut self) {
-        self.frames = (0..self.features.ncols()).map(|frame| self.look(frame)).collect();
-        let seen: Vec<usize> = (0..self.frames.len()).filter(|f| self.applies(*f)).collect();
+        self.frames = (0..self.features.ncols()).map(|column| self.look(column)).collect();
+        let seen: Vec<usize> = (0..self.frames.len()).filter(|c| self.frames[*c].is_some()).collect();
         let mut center = DVector::zeros(self.features.nrows());
-        seen.iter().for_each(|f| center += self.features.column(*f));
+        seen.iter().for_each(|c| center += self.features.column(*c));
         center /= seen.len().max(1) as f64;
         let last = center.len() - 1;
         center[last] = 0.0;
-        for f in seen {
-            let mut column = self.features.column_mut(f);
+        for c in seen {
+            let mut column = self.features.column_mut(c);
             column -= &center;
         }
-        for frame in 0..self.frames.len() {
-            let Some(y) = self.offset_m(frame) else { continue };
-            let x = self.features.column(frame);
+        for (c, around) in self.frames.iter().enumerate() {
+            let Some(y) = around.as_ref().and_then(|around| around.offset_m) else { continue };
+            let x = self.features.column(c);
             self.gram.ger(1.0, &x, &x, 1.0);
             self.cross.ger(1.0, &x, &y, 1.0);
             self.squares += y.norm_squared();
@@ -102,13 +107,14 @@ impl<'a> ShapeModel<'a> {
         }
     }
 
-    /// Notes where the neighbors are in a frame.
-    fn look(&mut self, frame: usize) -> Option<Around> {
+    /// Notes where the neighbors are in the frame of a column.
+    fn look(&mut self, column: usize) -> Option<Around> {
+        let frame = self.first + column;
         let places_m = self.neighbors.iter().map(|n| self.tracks[*n].at(frame));
         if places_m.clone().any(|place_m| place_m.is_none()) {
             return None;
         }
-        let mut column = self.features.column_mut(frame);
+        let mut column = self.features.column_mut(column);
         for (k, place_m) in places_m.flatten().enumerate() {
             column.fixed_rows_mut::<3>(3 * k).copy_from(&place_m);
         }
@@ -134,7 +140,7 @@ impl<'a> ShapeModel<'a> {
         let (mut n, mut squares) = (self.n_rows, self.squares);
         for frame in hidden.clone() {
             let Some(y) = self.offset_m(frame) else { continue };
-            let x = self.features.column(frame);
+            let x = self.features.column(frame - self.first);
             gram.ger(-1.0, &x, &x, 1.0);
             cross.ger(-1.0, &x, &y, 1.0);
             squares -= y.norm_squared();
@@ -159,7 +165,7 @@ impl<'a> ShapeModel<'a> {
     /// Where the target is in a frame, head space, m; `None` if a neighbor is not seen.
     pub(crate) fn predict(&self, coefficients: &Coefficients, frame: usize) -> Option<Vec3> {
         let Around { base_m, .. } = self.around(frame)?;
-        let features = self.features.column(frame);
+        let features = self.features.column(frame - self.first);
         Some(base_m + Vec3::from_fn(|axis, _| coefficients.of_features.column(axis).dot(&features)))
     }
 
@@ -167,7 +173,7 @@ impl<'a> ShapeModel<'a> {
     /// of the offset's variance that this adds to a prediction, up to a factor (the regression's leverage), on average over the
     /// frames in which all are seen; 0 without any.
     pub(crate) fn novelty(&self, coefficients: &Coefficients, frames: Range<usize>) -> f64 {
-        let features = self.features.columns_range(frames.clone());
+        let features = self.features.columns_range(frames.start - self.first..frames.end - self.first);
         let mut solved = features.into_owned();
         coefficients.gram.solve_mut(&mut solved);
         let seen = frames.enumerate().filter(|(_, frame)| self.applies(*frame));
@@ -176,7 +182,7 @@ impl<'a> ShapeModel<'a> {
     }
 
     fn around(&self, frame: usize) -> Option<Around> {
-        *self.frames.get(frame)?
+        *self.frames.get(frame.checked_sub(self.first)?)?
     }
 
     /// The point that divides the hair between the nearest neighbors (or the root and one, or carries the last

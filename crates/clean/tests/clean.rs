@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use tousle_clean::{CleanError, CleanOptions, clean};
+use tousle_clean::{CleanError, CleanOptions, Cleaned, clean};
 use tousle_core::{
     HeadCapture, HeadPose, Pose, SampleKind, Session, StrandMarker, StrandSpec, StrandTracks, Track,
     UnlabeledTrack, Vec3,
@@ -56,14 +56,18 @@ fn position(k: usize, m: usize, frame: usize) -> Vec3 {
 }
 
 fn capture() -> HeadCapture {
-    let track = |k: usize, m: usize| (0..N_FRAMES).map(|f| Some(position(k, m, f))).collect();
+    capture_of(N_FRAMES)
+}
+
+fn capture_of(n_frames: usize) -> HeadCapture {
+    let track = |k: usize, m: usize| (0..n_frames).map(|f| Some(position(k, m, f))).collect();
     let strand =
         |k: usize| StrandTracks { strand_idx: k, markers: (1..=N_MARKERS).map(|m| track(k, m)).collect() };
     let pose = HeadPose::exact(Pose::identity(), 8);
     HeadCapture {
         rate_hz: 120.0,
         first_frame: 1,
-        poses: vec![Some(pose); N_FRAMES],
+        poses: vec![Some(pose); n_frames],
         strands: (0..3).map(strand).collect(),
         unlabeled: Vec::new(),
     }
@@ -163,8 +167,81 @@ fn a_spike_is_cut_and_a_gap_filled_with_the_error_it_has() {
     }
 }
 
+/// Of any length, at either end of the capture, and so far off that a square overflows: none is learned from.
 #[test]
-fn a_piece_is_given_back_and_a_ghost_refused() {
+fn what_is_too_far_from_its_lock_is_refused() {
+    let mut head = capture();
+    let away_m = Vec3::new(3.0, 3.0, 2.0);
+    for (k, m, frames, times) in [(0, 2, 200..210, 1.0), (1, 3, 0..1, 1.0), (2, 4, 300..N_FRAMES, 1e200)] {
+        for f in frames {
+            let place_m = head.strands[k].markers[m - 1].at(f).map(|p| p + away_m * times);
+            head.strands[k].markers[m - 1].set(f, place_m);
+        }
+    }
+    let mut missing = head.clone();
+    let missed = [(0, 2, 200..210), (1, 3, 0..1), (2, 4, 300..N_FRAMES)];
+    for (k, m, frames) in missed.clone() {
+        frames.for_each(|f| missing.strands[k].markers[m - 1].set(f, None));
+    }
+    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    let as_if_missing = clean(&missing, &session(), &CleanOptions::default()).unwrap();
+    assert_eq!((&cleaned.head, &cleaned.samples), (&as_if_missing.head, &as_if_missing.samples));
+    let far = &cleaned.report.far;
+    let found: Vec<(&str, i64, i64)> =
+        far.iter().map(|f| (&*f.marker, f.span.first_frame, f.span.last_frame)).collect();
+    assert_eq!(found, [("S0_2", 201, 210), ("S1_3", 1, 1), ("S2_4", 301, 360)]);
+    assert!((far[0].distance_m - 4.69).abs() < 0.05 && (far[0].reach_m - 0.125).abs() < 1e-9, "{:?}", far[0]);
+    let warnings = cleaned.report.warnings();
+    assert_eq!(warnings.len(), 3);
+    assert_eq!(
+        warnings[1],
+        "lock S1: found markers farther from its root than hair lets them be, and left them out: \
+         S1_3 up to 4.65 m, expected at most 0.16 m (frames 1 to 1, 1 in all)"
+    );
+    assert_eq!(as_if_missing.report.warnings(), [""; 0]);
+}
+
+/// A tip of one lock under the label of another's first marker is out of its reach, and still somebody's.
+#[test]
+fn what_an_exchange_explains_is_not_refused() {
+    let mut session = session();
+    session.strands[2].root_m.y = 0.3;
+    let aside_m = Vec3::y() * 0.24;
+    let mut spoiled = capture();
+    for marker in &mut spoiled.strands[2].markers {
+        *marker = marker.map(|_, p| Some(p + aside_m));
+    }
+    let right = spoiled.clone();
+    for f in 200..260 {
+        let a = spoiled.strands[0].markers[0].at(f);
+        let b = spoiled.strands[2].markers[3].at(f);
+        spoiled.strands[0].markers[0].set(f, b);
+        spoiled.strands[2].markers[3].set(f, a);
+    }
+    let cleaned = clean(&spoiled, &session, &CleanOptions::default()).unwrap();
+    assert_eq!(cleaned.head, right);
+    assert_eq!((cleaned.report.swaps.len(), &cleaned.report.far[..]), (1, &[][..]));
+}
+
+/// Or cleaning an hour would take the square of what a minute takes.
+#[test]
+fn a_gap_is_filled_from_what_is_near_in_time() {
+    let mut long = capture_of(2000);
+    (200..220).for_each(|f| long.strands[1].markers[1].set(f, None));
+    let mut lost_later = long.clone();
+    let later = lost_later.strands[1].markers.iter_mut().skip(1);
+    later.for_each(|marker| (1500..2000).for_each(|f| marker.set(f, None)));
+    let [long, lost_later] =
+        [long, lost_later].map(|head| clean(&head, &session(), &CleanOptions::default()).unwrap());
+    let filled = |cleaned: &Cleaned| -> Vec<_> {
+        (200..220).map(|f| (cleaned.head.strands[1].markers[1].at(f), cleaned.samples[1][1][f])).collect()
+    };
+    assert_eq!(filled(&long), filled(&lost_later));
+    assert!(error(&long.head, 1, 2, 200..220) < 3e-3);
+}
+
+/// A capture with a piece of S1_3 in a gap of its own, and a ghost beside it.
+fn with_piece_and_ghost() -> HeadCapture {
     let mut head = capture();
     let mut piece = Track::missing(N_FRAMES);
     for f in 150..230 {
@@ -177,6 +254,22 @@ fn a_piece_is_given_back_and_a_ghost_refused() {
     (160..190).for_each(|f| ghost.set(f, Some(Vec3::new(0.04, 0.05, 0.03))));
     head.unlabeled.push(UnlabeledTrack { label: "*1".to_owned(), track: ghost });
     head.unlabeled.push(UnlabeledTrack { label: "*2".to_owned(), track: piece });
+    head
+}
+
+/// A ghost is as likely as hair is where hair can be, however far off something else was seen.
+#[test]
+fn a_sample_at_the_end_of_the_world_makes_no_hair_of_a_ghost() {
+    let mut head = with_piece_and_ghost();
+    head.strands[0].markers[0].set(0, Some(Vec3::repeat(1e27)));
+    let report = clean(&head, &session(), &CleanOptions::default()).unwrap().report;
+    assert_eq!((report.far.len(), report.ghosts.len(), report.given_back.len()), (1, 1, 1));
+    assert_eq!(report.ghosts[0].piece, "*1");
+}
+
+#[test]
+fn a_piece_is_given_back_and_a_ghost_refused() {
+    let head = with_piece_and_ghost();
     let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
     let [given] = &cleaned.report.given_back[..] else { panic!("{:?}", cleaned.report.given_back) };
     assert_eq!((given.piece.as_str(), given.marker.as_str()), ("*2", "S1_3"));

@@ -117,7 +117,7 @@ pub struct ConvertArgs {
     /// How the capture is read.
     #[command(flatten)]
     pub read: ReadArgs,
-    /// Leave gaps, exchanged labels, nameless pieces and spikes as the file has them.
+    /// Leave gaps, exchanged labels, nameless pieces, spikes and what is far from its lock as the file has them.
     #[arg(long)]
     pub no_clean: bool,
     /// Write the capture's quality report: a page (.html) or JSON (.json); may be given more than once.

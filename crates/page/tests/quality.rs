@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use tousle_clean::{
-    CleanReport, FillMethod, GapFilled, GhostRefused, MarkerTimeline, PieceGivenBack, SpikeCut, SwapMended,
-    Unfilled,
+    CleanReport, FarRefused, FillMethod, GapFilled, GhostRefused, MarkerTimeline, PieceGivenBack, SpikeCut,
+    SwapMended, Unfilled,
 };
 use tousle_core::{FrameSpan, Session};
 use tousle_head::{FrameQuality, HeadReport, LabelMended, MarkerReport, PoseGap, PoseTrackReport};
@@ -84,6 +84,13 @@ fn clean() -> CleanReport {
         shortened_frames: 0,
     };
     CleanReport {
+        far: vec![FarRefused {
+            strand: "S<1>".to_owned(),
+            marker: "S1_1".to_owned(),
+            span: span(120, 124),
+            distance_m: 4.7,
+            reach_m: 0.1,
+        }],
         spikes: vec![SpikeCut {
             marker: "S1_2".to_owned(),
             span: span(130, 130),
@@ -150,6 +157,8 @@ fn everything_that_was_found_is_on_the_page() {
         "S1_2: given back from *7, 97.0 % sure, frames 160 to 165",
         "*8: refused; no marker was missing, frames 110 to 112",
         "S1_2: a spike of 30.0 mm, frame 130",
+        "S1_1: refused, 4700.0 mm from the lock&#39;s root, frames 120 to 124",
+        "1 run too far off",
         "&gt; 99.9",
     ] {
         assert!(html.contains(words), "{words}\n{html}");

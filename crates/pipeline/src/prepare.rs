@@ -102,6 +102,7 @@ pub fn prepare(
     let stage = watch.stage("clean");
     let clean = |options: &CleanOptions| tousle_clean::clean(&located.head, &known, options);
     let cleaned = options.clean.as_ref().map(clean).transpose()?;
+    ingested.report.warnings.extend(cleaned.iter().flat_map(|cleaned| cleaned.report.warnings()));
     drop(stage);
 
     let quality = QualityReport {

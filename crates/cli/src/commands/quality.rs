@@ -143,6 +143,10 @@ fn clean_line(clean: &tousle_clean::CleanReport) -> String {
     if worst.is_finite() {
         let _ = write!(words, " (the worst to {:.1} mm)", worst * 1e3);
     }
+    let n_far: u64 = clean.far.iter().map(|far| far.span.n_frames()).sum();
+    if n_far > 0 {
+        let _ = write!(words, ", {n_far} samples too far from their locks left out");
+    }
     if !clean.unfilled.is_empty() {
         let _ = write!(words, ", {} gaps left", clean.unfilled.len());
     }

@@ -10,6 +10,7 @@ pub(super) fn section(page: &QualityPage<'_>, clean: &CleanReport) -> String {
         (given_back(clean), "No nameless trajectory was given back to a marker."),
         (ghosts(clean), "No nameless trajectory was refused."),
         (spikes(clean), "No spike was cut."),
+        (far(clean), "No marker was farther from its lock's root than hair lets it be."),
     ]
     .iter()
     .map(
@@ -31,7 +32,7 @@ pub(super) fn section(page: &QualityPage<'_>, clean: &CleanReport) -> String {
             (Mark::Filled, "not seen, filled"),
             (Mark::Mended, "label exchanged, mended"),
             (Mark::GivenBack, "without a name, given back"),
-            (Mark::Refused, "without a name, refused"),
+            (Mark::Refused, "without a name or too far from its lock, refused"),
             (Mark::Hole, "not seen, could not be filled"),
             (Mark::Spike, "spike, cut"),
         ]),
@@ -107,6 +108,10 @@ fn row(marker: &MarkerTimeline, clean: &CleanReport) -> TimelineRow {
     for spike in clean.spikes.iter().filter(|s| s.marker == *label) {
         let text = format!("a spike of {} mm", millimeters(spike.height_m));
         events.push(event(&spike.span, Mark::Spike, text));
+    }
+    for far in clean.far.iter().filter(|f| f.marker == *label) {
+        let text = format!("refused, {} mm from the lock's root", millimeters(far.distance_m));
+        events.push(event(&far.span, Mark::Refused, text));
     }
     TimelineRow { label: label.clone(), events }
 }
@@ -232,6 +237,27 @@ fn spikes(clean: &CleanReport) -> Table {
             Column::number("sure", "%"),
         ],
         rows: clean.spikes.iter().map(row).collect(),
+    }
+}
+
+fn far(clean: &CleanReport) -> Table {
+    let row = |f: &tousle_clean::FarRefused| {
+        vec![
+            Cell::Code(f.marker.clone()),
+            frames(f.span),
+            Cell::Number(millimeters(f.distance_m)),
+            Cell::Number(millimeters(f.reach_m)),
+        ]
+    };
+    Table {
+        caption: "Markers too far from their lock's root, left out".to_owned(),
+        columns: vec![
+            Column::text("marker"),
+            Column::number("frames", ""),
+            Column::number("from the root", "mm"),
+            Column::number("at most", "mm"),
+        ],
+        rows: clean.far.iter().map(row).collect(),
     }
 }
 

@@ -60,6 +60,7 @@ fn changes(clean: &CleanReport, is_here: impl Fn(&str) -> bool) -> String {
     let counts = [
         ("swap", "swaps", clean.swaps.iter().filter(|s| s.markers.iter().any(|m| is_here(m))).count()),
         ("piece", "pieces", clean.given_back.iter().filter(|p| is_here(&p.marker)).count()),
+        ("run too far off", "runs too far off", clean.far.iter().filter(|f| is_here(&f.marker)).count()),
         ("spike", "spikes", clean.spikes.iter().filter(|s| is_here(&s.marker)).count()),
     ];
     let words = counts.iter().filter(|(_, _, n)| *n > 0);
