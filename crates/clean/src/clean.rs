@@ -2,7 +2,7 @@ use crate::far::{Far, refuse_far, refuse_foreign};
 use crate::gaps::{Fill, Scene, fill_gap, gaps};
 use crate::lock::Locks;
 use crate::motion::{Continuity, white_noise};
-use crate::pieces::{Piece, Verdict, judge, pieces, volume_m3};
+use crate::pieces::{Piece, Verdict, judge, pieces, surest, volume_m3};
 use crate::report::{
     CleanReport, FarRefused, GapFilled, GhostRefused, MarkerTimeline, PieceGivenBack, SpikeCut, SwapMended,
     Unfilled,
@@ -11,6 +11,7 @@ use crate::shape::{ShapeModel, neighbors};
 use crate::spikes::cut_spikes;
 use crate::swaps::{Swap, mend_swaps};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::ops::Range;
 use tousle_core::{
     FrameSpan, HeadCapture, Sample, SampleKind, Session, StrandTracks, Track, median_high, runs,
@@ -228,32 +229,37 @@ impl Work {
         }
     }
 
-    /// Gives pieces back, the surest first, as each makes the next gap shorter; what is left is refused.
+    /// Gives pieces back in rounds, as each makes the next gap shorter and tells of its neighbors; what is left is refused.
     fn give_back(&mut self, head: &HeadCapture, options: &CleanOptions) -> Vec<tousle_core::UnlabeledTrack> {
         let mut left = head.unlabeled.clone();
         let volume = volume_m3(&self.tracks);
-        let mut open = pieces(&head.unlabeled);
-        let mut judged: Vec<Verdict> = open.iter().map(|p| judge(self.scene(), p, volume)).collect();
+        let open = pieces(&head.unlabeled).into_par_iter();
+        let mut open: Vec<(Verdict, Piece<'_>)> =
+            open.map(|piece| (judge(self.scene(), &piece, volume), piece)).collect();
         loop {
-            let sure = (0..open.len()).max_by(|a, b| judged[*a].confidence.total_cmp(&judged[*b].confidence));
-            let accepted = sure.filter(|k| judged[*k].confidence >= options.least_confidence);
-            let Some((k, marker)) = accepted.and_then(|k| Some((k, judged[k].marker?))) else {
-                for (piece, verdict) in open.iter().zip(&judged) {
-                    self.refuse(piece, verdict);
-                }
+            let sure = surest(&open, &self.locks, options.least_confidence);
+            if sure.is_empty() {
+                open.iter().for_each(|(verdict, piece)| self.refuse(piece, verdict));
                 left.retain(|u| u.track.n_valid() > 0);
                 return left;
-            };
-            let (piece, verdict) = (open.remove(k), judged.remove(k));
-            self.give(&piece, marker, &verdict);
-            let lock = self.locks.markers[marker].strand_idx;
-            for (piece, verdict) in open.iter().zip(&mut judged) {
-                if verdict.locks.contains(&lock) {
-                    *verdict = judge(self.scene(), piece, volume);
-                }
             }
-            let given = &mut left[piece.unlabeled_idx].track;
-            piece.frames.clone().for_each(|f| given.set(f, None));
+            let mut changed = BTreeSet::new();
+            for &(k, marker) in &sure {
+                let (verdict, piece) = &open[k];
+                self.give(piece, marker, verdict);
+                changed.insert(self.locks.markers[marker].strand_idx);
+                let given = &mut left[piece.unlabeled_idx].track;
+                piece.frames.clone().for_each(|f| given.set(f, None));
+            }
+            let mut given: Vec<usize> = sure.into_iter().map(|(k, _)| k).collect();
+            given.sort_unstable();
+            for k in given.into_iter().rev() {
+                open.remove(k);
+            }
+            let is_stale = |verdict: &Verdict| verdict.locks.iter().any(|lock| changed.contains(lock));
+            open.par_iter_mut()
+                .filter(|(verdict, _)| is_stale(verdict))
+                .for_each(|(verdict, piece)| *verdict = judge(self.scene(), piece, volume));
         }
     }
 

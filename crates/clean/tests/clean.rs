@@ -240,7 +240,7 @@ fn a_gap_is_filled_from_what_is_near_in_time() {
     assert!(error(&long.head, 1, 2, 200..220) < 3e-3);
 }
 
-/// A capture with a piece of S1_3 in a gap of its own, and a ghost beside it.
+/// A capture with a piece of `S1_3` in a gap of its own, and a ghost beside it.
 fn with_piece_and_ghost() -> HeadCapture {
     let mut head = capture();
     let mut piece = Track::missing(N_FRAMES);
