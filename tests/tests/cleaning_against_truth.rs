@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 use tousle_bench::Truth;
 use tousle_clean::{CleanOptions, CleanReport, Cleaned, clean};
-use tousle_core::{HeadCapture, Sample, SampleKind, Session, Track, Vec3};
+use tousle_core::{HeadCapture, NoProgress, Sample, SampleKind, Session, Track, Vec3};
 use tousle_head::{HeadOptions, locate_head};
 use tousle_ingest::{IngestOptions, read_capture, read_session};
 use tousle_tests::{name, shared_captures};
@@ -39,7 +39,7 @@ impl Case {
         let capture = read_capture(&bytes, &IngestOptions::from_session(&session)).unwrap().capture;
         let raw = locate_head(&capture, &session, &HeadOptions::default()).unwrap().head;
         let begin = std::time::Instant::now();
-        let cleaned = clean(&raw, &session, &CleanOptions::default()).unwrap();
+        let cleaned = clean(&raw, &session, &CleanOptions::default(), &NoProgress).unwrap();
         println!("{name}: cleaned in {:.1} s", begin.elapsed().as_secs_f64());
         let motion = Truth::open(folder).unwrap().markers().unwrap();
         let n = session.strands.iter().map(|s| s.markers.len()).sum();
@@ -220,7 +220,7 @@ fn exchanges_made_by_us_are_found() {
         for seed in 0..4u64 {
             let mut dirty = case.raw.clone();
             let exchanged = exchange_some(&mut dirty, seed);
-            let report = clean(&dirty, session, &CleanOptions::default()).unwrap().report;
+            let report = clean(&dirty, session, &CleanOptions::default(), &NoProgress).unwrap().report;
             let is_found = |(pair, first, last): &&([usize; 2], i64, i64)| {
                 let right = |s: &tousle_clean::SwapMended| {
                     BTreeSet::from(s.markers.each_ref().map(String::as_str))

@@ -20,7 +20,7 @@ use crate::{
 use serde::Serialize;
 use std::path::Path;
 use tousle_clean::CleanOptions;
-use tousle_core::Progress;
+use tousle_core::{NoProgress, Progress};
 use tousle_field::{FieldSequence, GridSpec, Scene};
 use tousle_fit::{FitMethod, FitOptions, Wig};
 use tousle_pipeline::{Input, MeasureOptions, Measured, PrepareOptions, Prepared, Silent, measure, prepare};
@@ -120,7 +120,7 @@ impl Seen {
         let head = head.map_err(folder.truth_failed())?;
         let session = worse.known(&prepared.session);
         let watch = Stopwatch::start();
-        let cleaned = tousle_clean::clean(&head, &session, &CleanOptions::default())
+        let cleaned = tousle_clean::clean(&head, &session, &CleanOptions::default(), &NoProgress)
             .map_err(failed(folder.name(), "cleaning"))?;
         let cost = watch.stop();
         let prepared = Prepared { session, ..prepared.clone() };

@@ -1,8 +1,9 @@
+use crate::counter::Counter;
 use crate::far::{Far, refuse_far, refuse_foreign};
 use crate::gaps::{Fill, Scene, fill_gap, gaps};
 use crate::lock::Locks;
 use crate::motion::{Continuity, white_noise};
-use crate::pieces::{Piece, Verdict, judge, pieces, volume_m3};
+use crate::pieces::{Piece, Verdict, judge, pieces, surest, volume_m3};
 use crate::report::{
     CleanReport, FarRefused, GapFilled, GhostRefused, MarkerTimeline, PieceGivenBack, SpikeCut, SwapMended,
     Unfilled,
@@ -11,9 +12,11 @@ use crate::shape::{ShapeModel, neighbors};
 use crate::spikes::cut_spikes;
 use crate::swaps::{Swap, mend_swaps};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::ops::Range;
 use tousle_core::{
-    FrameSpan, HeadCapture, Sample, SampleKind, Session, StrandTracks, Track, median_high, runs,
+    FrameSpan, HeadCapture, Progress, Sample, SampleKind, Session, StrandTracks, Track, UnlabeledTrack,
+    median_high, runs,
 };
 
 /// How tracks are cleaned.
@@ -84,7 +87,8 @@ pub enum CleanError {
 /// Mends, cuts, gives back and fills the tracks of the locks' markers.
 ///
 /// In: head-space positions, m, with gaps. Out: the same tracks with as few gaps as possible; for each sample
-/// where it comes from and its expected error, m; a list of every change.
+/// where it comes from and its expected error, m; a list of every change. `progress` hears of pieces that are judged, then of gaps
+/// that are filled.
 ///
 /// In this order, each step seeing what the last one mended: samples that are too far off to be any lock's,
 /// exchanged labels (two motions break in one frame and each goes on as the other), samples that are farther from
@@ -95,7 +99,12 @@ pub enum CleanError {
 ///
 /// # Errors
 /// [`CleanError`] if capture and session do not tell of the same locks.
-pub fn clean(head: &HeadCapture, session: &Session, options: &CleanOptions) -> Result<Cleaned, CleanError> {
+pub fn clean(
+    head: &HeadCapture,
+    session: &Session,
+    options: &CleanOptions,
+    progress: &dyn Progress,
+) -> Result<Cleaned, CleanError> {
     check(head, session)?;
     let n_markers: Vec<usize> = head.strands.iter().map(|s| s.markers.len()).collect();
     let locks = Locks::of(session, &n_markers);
@@ -105,8 +114,8 @@ pub fn clean(head: &HeadCapture, session: &Session, options: &CleanOptions) -> R
     work.mend_swaps(options);
     work.refuse_far(foreign);
     work.cut_spikes(options);
-    let unlabeled = work.give_back(head, options);
-    work.fill_gaps();
+    let unlabeled = work.give_back(head, options, progress);
+    work.fill_gaps(progress);
     Ok(work.finish(head, unlabeled, &n_markers))
 }
 
@@ -228,32 +237,44 @@ impl Work {
         }
     }
 
-    /// Gives pieces back, the surest first, as each makes the next gap shorter; what is left is refused.
-    fn give_back(&mut self, head: &HeadCapture, options: &CleanOptions) -> Vec<tousle_core::UnlabeledTrack> {
+    /// Gives pieces back in rounds, as each makes the next gap shorter and tells of its neighbors; what is left is refused.
+    fn give_back(
+        &mut self,
+        head: &HeadCapture,
+        options: &CleanOptions,
+        progress: &dyn Progress,
+    ) -> Vec<UnlabeledTrack> {
         let mut left = head.unlabeled.clone();
         let volume = volume_m3(&self.tracks);
-        let mut open = pieces(&head.unlabeled);
-        let mut judged: Vec<Verdict> = open.iter().map(|p| judge(self.scene(), p, volume)).collect();
+        let open = pieces(&head.unlabeled);
+        let done = Counter::new(open.len(), progress);
+        let judge_first = |piece: &Piece<'_>| done.after(judge(self.scene(), piece, volume));
+        let mut open: Vec<(Verdict, Piece<'_>)> =
+            open.into_par_iter().map(|piece| (judge_first(&piece), piece)).collect();
         loop {
-            let sure = (0..open.len()).max_by(|a, b| judged[*a].confidence.total_cmp(&judged[*b].confidence));
-            let accepted = sure.filter(|k| judged[*k].confidence >= options.least_confidence);
-            let Some((k, marker)) = accepted.and_then(|k| Some((k, judged[k].marker?))) else {
-                for (piece, verdict) in open.iter().zip(&judged) {
-                    self.refuse(piece, verdict);
-                }
+            let sure = surest(&open, &self.locks, options.least_confidence);
+            if sure.is_empty() {
+                open.iter().for_each(|(verdict, piece)| self.refuse(piece, verdict));
                 left.retain(|u| u.track.n_valid() > 0);
                 return left;
-            };
-            let (piece, verdict) = (open.remove(k), judged.remove(k));
-            self.give(&piece, marker, &verdict);
-            let lock = self.locks.markers[marker].strand_idx;
-            for (piece, verdict) in open.iter().zip(&mut judged) {
-                if verdict.locks.contains(&lock) {
-                    *verdict = judge(self.scene(), piece, volume);
-                }
             }
-            let given = &mut left[piece.unlabeled_idx].track;
-            piece.frames.clone().for_each(|f| given.set(f, None));
+            let mut changed = BTreeSet::new();
+            for &(k, marker) in &sure {
+                let (verdict, piece) = &open[k];
+                self.give(piece, marker, verdict);
+                changed.insert(self.locks.markers[marker].strand_idx);
+                let given = &mut left[piece.unlabeled_idx].track;
+                piece.frames.clone().for_each(|f| given.set(f, None));
+            }
+            let mut given: Vec<usize> = sure.into_iter().map(|(k, _)| k).collect();
+            given.sort_unstable();
+            for k in given.into_iter().rev() {
+                open.remove(k);
+            }
+            let is_stale = |verdict: &Verdict| verdict.locks.iter().any(|lock| changed.contains(lock));
+            open.par_iter_mut()
+                .filter(|(verdict, _)| is_stale(verdict))
+                .for_each(|(verdict, piece)| *verdict = judge(self.scene(), piece, volume));
         }
     }
 
@@ -282,13 +303,14 @@ impl Work {
     }
 
     /// Fills every gap from what was seen: no fill leans on another.
-    fn fill_gaps(&mut self) {
+    fn fill_gaps(&mut self, progress: &dyn Progress) {
         let gaps: Vec<(usize, Range<usize>)> = (0..self.tracks.len())
             .flat_map(|m| gaps(&self.tracks[m]).into_iter().map(move |gap| (m, gap)))
             .collect();
-        let scene = self.scene();
+        let (scene, done) = (self.scene(), Counter::new(gaps.len(), progress));
+        let fill = |marker, gap: &Range<usize>| done.after(fill_gap(scene, marker, gap, gap));
         let fills: Vec<(usize, Range<usize>, Vec<Fill>)> =
-            gaps.into_par_iter().map(|(m, gap)| (m, gap.clone(), fill_gap(scene, m, &gap, &gap))).collect();
+            gaps.into_par_iter().map(|(m, gap)| (m, gap.clone(), fill(m, &gap))).collect();
         let borrowed = fills.iter().flat_map(|(_, _, f)| f).map(|f| f.expected_error_m);
         let borrowed = borrowed.filter(|e| e.is_finite()).fold(self.usual_noise_m, f64::max);
         for (marker, gap, parts) in fills {
@@ -322,12 +344,7 @@ impl Work {
         });
     }
 
-    fn finish(
-        mut self,
-        head: &HeadCapture,
-        unlabeled: Vec<tousle_core::UnlabeledTrack>,
-        n_markers: &[usize],
-    ) -> Cleaned {
+    fn finish(mut self, head: &HeadCapture, unlabeled: Vec<UnlabeledTrack>, n_markers: &[usize]) -> Cleaned {
         for m in 0..self.tracks.len() {
             let seen_error_m = self.noise_m[m].unwrap_or(self.usual_noise_m) * 3f64.sqrt();
             for (s, pose) in self.samples[m].iter_mut().zip(&head.poses) {

@@ -6,6 +6,7 @@
 //! lock's markers tell where a hidden one is), so that the same code serves quiet and violent hair.
 
 mod clean;
+mod counter;
 mod far;
 mod gaps;
 mod interpolate;

@@ -1,6 +1,7 @@
 //! Nameless trajectories: pieces of a marker during its own gap, or ghosts.
 
 use crate::gaps::{Fill, Scene, fill_gap};
+use crate::lock::Locks;
 use rayon::prelude::*;
 use std::ops::Range;
 use tousle_core::{Track, UnlabeledTrack, Vec3, runs};
@@ -77,6 +78,31 @@ pub(crate) fn judge(scene: Scene<'_>, piece: &Piece<'_>, volume_m3: f64) -> Verd
     }
 }
 
+/// Which pieces are surely whose, the surest first. Of those that are one lock's in the same frames only the first: once that is
+/// given, where the lock is there is told anew.
+pub(crate) fn surest(
+    judged: &[(Verdict, Piece<'_>)],
+    locks: &Locks,
+    least_confidence: f64,
+) -> Vec<(usize, usize)> {
+    let mut order: Vec<usize> =
+        (0..judged.len()).filter(|k| judged[*k].0.confidence >= least_confidence).collect();
+    order.sort_by(|a, b| judged[*b].0.confidence.total_cmp(&judged[*a].0.confidence));
+    let mut sure: Vec<(usize, usize)> = Vec::new();
+    for k in order {
+        let (Verdict { marker: Some(marker), .. }, Piece { frames, .. }) = &judged[k] else { continue };
+        let lock = locks.lock_of(*marker);
+        let competes = |&(other, of): &(usize, usize)| {
+            let others = &judged[other].1.frames;
+            lock.contains(&of) && others.start < frames.end && frames.start < others.end
+        };
+        if !sure.iter().any(competes) {
+            sure.push((k, *marker));
+        }
+    }
+    sure
+}
+
 /// The gap that holds all of these frames.
 fn gap_round(track: &Track, frames: &Range<usize>) -> Option<Range<usize>> {
     let is_missing = |f: &usize| track.at(*f).is_none();
@@ -142,4 +168,54 @@ pub(crate) fn volume_m3(tracks: &[Track]) -> f64 {
     }
     let size = high - low;
     if size.iter().all(|s| s.is_finite()) { size.iter().map(|s| s.max(1e-2)).product() } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tousle_core::{Session, StrandMarker, StrandSpec};
+
+    /// Two locks of two markers.
+    fn locks() -> Locks {
+        let marker = |k: usize, m: usize| StrandMarker {
+            label: format!("S{k}_{m}"),
+            distance_from_root_m: None,
+            mass_kg: 1e-5,
+        };
+        let strand = |k: usize| StrandSpec {
+            name: format!("S{k}"),
+            length_m: 0.1,
+            linear_density_kg_per_m: 3e-3,
+            lock_width_m: 7e-3,
+            root_m: Vec3::zeros(),
+            markers: (1..=2).map(|m| marker(k, m)).collect(),
+        };
+        let session = Session { strands: (0..2).map(strand).collect(), ..Session::unknown("two locks") };
+        Locks::of(&session, &[2, 2])
+    }
+
+    #[test]
+    fn of_one_locks_pieces_in_the_same_frames_only_the_surest_is_given() {
+        let track = Track::missing(0);
+        let judged = |(marker, frames, confidence): (usize, Range<usize>, f64)| {
+            let verdict = Verdict {
+                marker: Some(marker),
+                distance_m: 0.0,
+                expected_m: 0.0,
+                confidence,
+                locks: Vec::new(),
+            };
+            (verdict, Piece { unlabeled_idx: 0, label: "*1", track: &track, frames })
+        };
+        let pieces = [
+            (0, 10..20, 0.95),
+            (1, 19..30, 0.99),
+            (0, 30..40, 0.98),
+            (2, 10..20, 0.97),
+            (3, 50..60, 0.5),
+            (0, 12..15, 0.96),
+        ];
+        let judged: Vec<_> = pieces.map(judged).into();
+        assert_eq!(surest(&judged, &locks(), 0.9), [(1, 1), (2, 0), (3, 2), (5, 0)]);
+    }
 }

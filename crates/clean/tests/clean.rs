@@ -2,10 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+use std::sync::Mutex;
 use tousle_clean::{CleanError, CleanOptions, Cleaned, clean};
 use tousle_core::{
-    HeadCapture, HeadPose, Pose, SampleKind, Session, StrandMarker, StrandSpec, StrandTracks, Track,
-    UnlabeledTrack, Vec3,
+    HeadCapture, HeadPose, NoProgress, Pose, Progress, SampleKind, Session, StrandMarker, StrandSpec,
+    StrandTracks, Track, UnlabeledTrack, Vec3,
 };
 
 const N_FRAMES: usize = 360;
@@ -83,7 +84,7 @@ fn error(head: &HeadCapture, k: usize, m: usize, frames: std::ops::Range<usize>)
 #[test]
 fn what_is_clean_is_left_alone() {
     let head = capture();
-    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    let cleaned = clean(&head, &session(), &CleanOptions::default(), &NoProgress).unwrap();
     assert_eq!(cleaned.head, head);
     let report = &cleaned.report;
     assert!(report.swaps.is_empty() && report.spikes.is_empty() && report.gaps.is_empty());
@@ -104,7 +105,7 @@ fn a_swap_is_mended_and_named() {
         head.strands[0].markers[2].set(f, b);
         head.strands[1].markers[2].set(f, a);
     }
-    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    let cleaned = clean(&head, &session(), &CleanOptions::default(), &NoProgress).unwrap();
     assert_eq!(cleaned.head, capture());
     let [swap] = &cleaned.report.swaps[..] else { panic!("{:?}", cleaned.report.swaps) };
     assert_eq!(swap.markers, ["S0_3", "S1_3"]);
@@ -125,7 +126,7 @@ fn a_swap_that_begins_in_a_gap_is_told_by_the_lock() {
     }
     (190..214).for_each(|f| head.strands[0].markers[2].set(f, None));
     (184..210).for_each(|f| head.strands[1].markers[1].set(f, None));
-    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    let cleaned = clean(&head, &session(), &CleanOptions::default(), &NoProgress).unwrap();
     assert!(error(&cleaned.head, 0, 3, 0..N_FRAMES) < 2e-3, "{}", error(&cleaned.head, 0, 3, 0..N_FRAMES));
     assert!(error(&cleaned.head, 1, 2, 0..N_FRAMES) < 2e-3, "{}", error(&cleaned.head, 1, 2, 0..N_FRAMES));
     let [swap] = &cleaned.report.swaps[..] else { panic!("{:?}", cleaned.report.swaps) };
@@ -141,7 +142,7 @@ fn a_swap_from_the_first_frame_is_told_by_the_lock() {
         head.strands[0].markers[0].set(f, b);
         head.strands[2].markers[3].set(f, a);
     }
-    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    let cleaned = clean(&head, &session(), &CleanOptions::default(), &NoProgress).unwrap();
     assert_eq!(cleaned.head, capture());
     assert_eq!(cleaned.report.swaps[0].span.first_frame, 1);
     assert_eq!(cleaned.report.swaps[0].span.last_frame, 150);
@@ -154,7 +155,7 @@ fn a_spike_is_cut_and_a_gap_filled_with_the_error_it_has() {
     head.strands[1].markers[1].set(220, spiked);
     (240..285).for_each(|f| head.strands[2].markers[2].set(f, None));
     (320..N_FRAMES).for_each(|f| head.strands[0].markers[3].set(f, None));
-    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    let cleaned = clean(&head, &session(), &CleanOptions::default(), &NoProgress).unwrap();
     let report = &cleaned.report;
     assert_eq!(report.spikes.len(), 1);
     assert_eq!((report.spikes[0].marker.as_str(), report.spikes[0].span.first_frame), ("S1_2", 221));
@@ -183,8 +184,8 @@ fn what_is_too_far_from_its_lock_is_refused() {
     for (k, m, frames) in missed.clone() {
         frames.for_each(|f| missing.strands[k].markers[m - 1].set(f, None));
     }
-    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
-    let as_if_missing = clean(&missing, &session(), &CleanOptions::default()).unwrap();
+    let cleaned = clean(&head, &session(), &CleanOptions::default(), &NoProgress).unwrap();
+    let as_if_missing = clean(&missing, &session(), &CleanOptions::default(), &NoProgress).unwrap();
     assert_eq!((&cleaned.head, &cleaned.samples), (&as_if_missing.head, &as_if_missing.samples));
     let far = &cleaned.report.far;
     let found: Vec<(&str, i64, i64)> =
@@ -218,7 +219,7 @@ fn what_an_exchange_explains_is_not_refused() {
         spoiled.strands[0].markers[0].set(f, b);
         spoiled.strands[2].markers[3].set(f, a);
     }
-    let cleaned = clean(&spoiled, &session, &CleanOptions::default()).unwrap();
+    let cleaned = clean(&spoiled, &session, &CleanOptions::default(), &NoProgress).unwrap();
     assert_eq!(cleaned.head, right);
     assert_eq!((cleaned.report.swaps.len(), &cleaned.report.far[..]), (1, &[][..]));
 }
@@ -231,8 +232,8 @@ fn a_gap_is_filled_from_what_is_near_in_time() {
     let mut lost_later = long.clone();
     let later = lost_later.strands[1].markers.iter_mut().skip(1);
     later.for_each(|marker| (1500..2000).for_each(|f| marker.set(f, None)));
-    let [long, lost_later] =
-        [long, lost_later].map(|head| clean(&head, &session(), &CleanOptions::default()).unwrap());
+    let [long, lost_later] = [long, lost_later]
+        .map(|head| clean(&head, &session(), &CleanOptions::default(), &NoProgress).unwrap());
     let filled = |cleaned: &Cleaned| -> Vec<_> {
         (200..220).map(|f| (cleaned.head.strands[1].markers[1].at(f), cleaned.samples[1][1][f])).collect()
     };
@@ -240,7 +241,25 @@ fn a_gap_is_filled_from_what_is_near_in_time() {
     assert!(error(&long.head, 1, 2, 200..220) < 3e-3);
 }
 
-/// A capture with a piece of S1_3 in a gap of its own, and a ghost beside it.
+/// Who watches hears of every piece and every gap, to the last.
+#[test]
+fn progress_is_told() {
+    #[derive(Default)]
+    struct Heard(Mutex<Vec<(u64, u64)>>);
+    impl Progress for Heard {
+        fn at(&self, done: u64, total: u64) {
+            self.0.lock().unwrap().push((done, total));
+        }
+    }
+    let heard = Heard::default();
+    clean(&with_piece_and_ghost(), &session(), &CleanOptions::default(), &heard).unwrap();
+    let mut heard = heard.0.into_inner().unwrap();
+    // Two pieces; then what is left of the gap on either side of the one that is given back.
+    heard.sort_unstable();
+    assert_eq!(heard, [(1, 2), (1, 2), (2, 2), (2, 2)]);
+}
+
+/// A capture with a piece of `S1_3` in a gap of its own, and a ghost beside it.
 fn with_piece_and_ghost() -> HeadCapture {
     let mut head = capture();
     let mut piece = Track::missing(N_FRAMES);
@@ -262,7 +281,7 @@ fn with_piece_and_ghost() -> HeadCapture {
 fn a_sample_at_the_end_of_the_world_makes_no_hair_of_a_ghost() {
     let mut head = with_piece_and_ghost();
     head.strands[0].markers[0].set(0, Some(Vec3::repeat(1e27)));
-    let report = clean(&head, &session(), &CleanOptions::default()).unwrap().report;
+    let report = clean(&head, &session(), &CleanOptions::default(), &NoProgress).unwrap().report;
     assert_eq!((report.far.len(), report.ghosts.len(), report.given_back.len()), (1, 1, 1));
     assert_eq!(report.ghosts[0].piece, "*1");
 }
@@ -270,7 +289,7 @@ fn a_sample_at_the_end_of_the_world_makes_no_hair_of_a_ghost() {
 #[test]
 fn a_piece_is_given_back_and_a_ghost_refused() {
     let head = with_piece_and_ghost();
-    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    let cleaned = clean(&head, &session(), &CleanOptions::default(), &NoProgress).unwrap();
     let [given] = &cleaned.report.given_back[..] else { panic!("{:?}", cleaned.report.given_back) };
     assert_eq!((given.piece.as_str(), given.marker.as_str()), ("*2", "S1_3"));
     assert_eq!((given.span.first_frame, given.span.last_frame), (171, 200));
@@ -285,7 +304,7 @@ fn a_piece_is_given_back_and_a_ghost_refused() {
 fn a_marker_never_seen_stays_missing_and_is_named() {
     let mut head = capture();
     head.strands[0].markers[1] = Track::missing(N_FRAMES);
-    let cleaned = clean(&head, &session(), &CleanOptions::default()).unwrap();
+    let cleaned = clean(&head, &session(), &CleanOptions::default(), &NoProgress).unwrap();
     assert_eq!(cleaned.report.unfilled.len(), 1);
     assert_eq!(cleaned.report.unfilled[0].marker, "S0_2");
     assert_eq!(cleaned.samples[0][1][7].kind, SampleKind::Missing);
@@ -296,9 +315,12 @@ fn a_marker_never_seen_stays_missing_and_is_named() {
 fn another_sessions_locks_are_an_error() {
     let mut head = capture();
     head.strands[1].markers.pop();
-    let error = clean(&head, &session(), &CleanOptions::default()).unwrap_err();
+    let error = clean(&head, &session(), &CleanOptions::default(), &NoProgress).unwrap_err();
     assert!(matches!(error, CleanError::Markers { strand_idx: 1, found: 3, expected: 4 }));
     assert_eq!(error.to_string(), "lock 1 of the capture: found 3 markers, expected 4 as in the session");
     head.strands.pop();
-    assert!(matches!(clean(&head, &session(), &CleanOptions::default()), Err(CleanError::Locks { .. })));
+    assert!(matches!(
+        clean(&head, &session(), &CleanOptions::default(), &NoProgress),
+        Err(CleanError::Locks { .. })
+    ));
 }

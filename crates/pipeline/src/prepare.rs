@@ -100,7 +100,7 @@ pub fn prepare(
     drop(stage);
 
     let stage = watch.stage("clean");
-    let clean = |options: &CleanOptions| tousle_clean::clean(&located.head, &known, options);
+    let clean = |options: &CleanOptions| tousle_clean::clean(&located.head, &known, options, &*stage);
     let cleaned = options.clean.as_ref().map(clean).transpose()?;
     ingested.report.warnings.extend(cleaned.iter().flat_map(|cleaned| cleaned.report.warnings()));
     drop(stage);
