@@ -179,7 +179,7 @@ fn a_shots_body_comes_as_a_mesh() {
         ("--head-mesh head.obj", 2, "--mesh-unit"),
         ("--head-mesh none.obj --mesh-unit mm --mesh-up Z", 1, "cannot read none.obj"),
         ("--torso-mesh bob.json --mesh-unit mm --mesh-up Z", 1, ".obj"),
-        ("--head-mesh head.obj --mesh-unit mm --mesh-up Z --mesh-forward Z", 1, "two different ones"),
+        ("--head-mesh head.obj --mesh-unit mm --mesh-up Z --mesh-forward Z", 2, "an axis across --mesh-up"),
         ("--head-mesh head.obj --mesh-unit m --mesh-up Z", 1, "200.000 m across"),
         ("--head-mesh head.obj --mesh-unit m --mesh-up Z", 1, "positions were read with --mesh-unit m"),
     ] {
