@@ -8,14 +8,17 @@ use tousle_pipeline::{ConvertError, Input, PrepareOptions, Prepared, Silent, pre
 const CAPTURE: &[u8] = include_bytes!("../../../fixtures/demo/gusts.c3d");
 const SESSION: &[u8] = include_bytes!("../../../fixtures/demo/session.json");
 
-/// The demo's capture, with a session that was changed.
+/// The demo's capture as the file has it, with a session that was changed.
 fn prepared(change: impl Fn(&mut Value)) -> Result<Prepared, ConvertError> {
+    prepared_by(&PrepareOptions { clean: None, ..PrepareOptions::default() }, change)
+}
+
+fn prepared_by(options: &PrepareOptions, change: impl Fn(&mut Value)) -> Result<Prepared, ConvertError> {
     let mut session: Value = serde_json::from_slice(SESSION).unwrap();
     change(&mut session);
     let session = serde_json::to_vec(&session).unwrap();
     let input = |bytes| Input { name: "demo", bytes };
-    let options = PrepareOptions { clean: None, ..PrepareOptions::default() };
-    prepare(input(CAPTURE), input(&session), &options, &Silent)
+    prepare(input(CAPTURE), input(&session), options, &Silent)
 }
 
 fn warnings(change: impl Fn(&mut Value)) -> Vec<String> {
@@ -140,6 +143,16 @@ fn a_head_on_which_no_hair_grows_is_told() {
         each_lock(session, |lock| times(&mut lock["root_mm"], 0.1));
     });
     assert!(error.contains("an adult's head, as the session has no `colliders`: found roots"), "{error}");
+}
+
+#[test]
+fn what_is_too_far_from_its_lock_is_told() {
+    let cleaned = prepared_by(&PrepareOptions::default(), |session| {
+        session["strands"][0]["root_mm"][0] = json!(5000.0);
+    });
+    let found = cleaned.unwrap().quality.ingest.warnings;
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert!(found[1].contains(": found markers farther from its root than hair lets them be"), "{found:?}");
 }
 
 #[test]
