@@ -136,6 +136,29 @@ fn errors_fall_with_the_order() {
     assert!((implicit - adaptive).norm() < 1e-3, "{implicit} {adaptive}");
 }
 
+/// What iterations leave over falls with the step, however short: a thick limp lock, in which they contract least, ends where it
+/// does at twice the steps.
+#[test]
+fn short_steps_converge() {
+    let gust = |k: u32| Vec3::new(0.0, 3.0 * libm::sin(0.2 * f64::from(k)), 1.0);
+    let gusts = uniform(Quantity::AirVelocity, 60.0, &(0..=60).map(gust).collect::<Vec<_>>());
+    let scene = Scene { air_density: 1.2, ..vacuum(DOWN) };
+    let thick = || Strand {
+        bending_stiffness_n_m2: 1e-5,
+        internal_damping_secs: 0.002,
+        lock_width_m: 0.01,
+        ..straight(Vec3::new(0.0, 0.0, 0.2), Vec3::new(0.3, 0.0, -1.0), 0.2, 5)
+    };
+    let end_m = |rate_hz: f64| {
+        let options = physical(Integrator::Implicit, 1.0 / rate_hz, 0.75);
+        let simulation = run(&gusts, &scene, vec![thick()], &options).unwrap();
+        assert_eq!(simulation.report.unsettled_steps, 0, "{rate_hz}");
+        track(&simulation.motion, 5)[45]
+    };
+    let apart_m = (end_m(15_360.0) - end_m(7_680.0)).norm();
+    assert!(apart_m < 1e-5, "{apart_m}");
+}
+
 /// A hundred times the stiffness needs no smaller step: the answer at 1/120 s is as near to the converged one.
 #[test]
 fn stiff_hair_needs_no_smaller_step() {

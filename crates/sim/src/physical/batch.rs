@@ -19,7 +19,7 @@ pub(crate) struct Model {
     pub force_law: Option<DragLaw>,
     /// Coulomb's coefficient.
     pub friction: f64,
-    /// An iteration in single precision cannot settle closer than this, m; 0 for double.
+    /// An iteration cannot settle closer than this, m: rounding of places.
     pub resolution_m: f64,
 }
 

@@ -70,7 +70,7 @@ const MEASURED_EVERY: u64 = 16;
 const TINY2: f64 = 1e-32;
 
 /// An iteration has not settled, either, while another would go farther than this share of the way to the step's first guess, squared;
-/// but for what is less than this, m. With three tenths, limp curls that hang still swing by some 5 mm/s at 48 steps a second; from a
+/// but for what is less than this, m, and more than what has settled in short steps by itself. With three tenths, limp curls that hang still swing by some 5 mm/s at 48 steps a second; from a
 /// tenth on none does, and hair that moves takes no more iterations.
 const SETTLED_SHARE2: f64 = 0.01;
 const LEAST_SETTLED_M: f64 = 1e-9;
@@ -160,7 +160,8 @@ impl<L: Lane> Batch<L> {
         };
         let h_secs = weights.h.get(0);
         let (settled2, felt2) = (square(model.settled_m(h_secs)), square(model.felt_m(h_secs)));
-        let settled2 = settled2.min(way_m * way_m * one.same(SETTLED_SHARE2)).max(square(LEAST_SETTLED_M));
+        let of_way2 = (way_m * way_m * one.same(SETTLED_SHARE2)).max(square(LEAST_SETTLED_M));
+        let settled2 = settled2.min(of_way2);
         // 1 for a strand that still moves, 0 for one that has settled, whatever its neighbors in the batch do.
         let mut active = one;
         let (mut moved2, mut moved2_before) = (zero, zero);

@@ -129,7 +129,7 @@ impl Mechanics for Physical {
             pushes: terms.wind && is_force && !terms.air,
             force_law: (is_force && terms.air).then_some(law),
             friction: scene.body.friction,
-            resolution_m: if options.precision == Precision::Single { 5e-7 } else { 0.0 },
+            resolution_m: if options.precision == Precision::Single { 5e-7 } else { 1e-14 },
         };
         let integrator = options.integrator();
         let formula = match integrator {
