@@ -35,6 +35,9 @@ pub struct Drag {
     pub along: f64,
     /// The direction of the wind across the piece, unit length, or zero in still air.
     pub direction: Vec3,
+    /// By how much more a change of the wind along `direction` counts than one across it, over `across`: 1 where drag grows as the
+    /// square of the speed, a third in a creeping wind.
+    pub steeper: f64,
 }
 
 impl DragLaw {
@@ -58,7 +61,10 @@ impl DragLaw {
             0.5 * self.air_density * width_m * core::f64::consts::PI * self.along * speed_along.abs();
         let direction = if speed_across > 0.0 { wind_across / speed_across } else { Vec3::zeros() };
         let force = wind_across * across + tangent * (half_along * speed_along);
-        Drag { force, across, along: 2.0 * half_along, direction }
+        let inertial = 0.5 * self.air_density * width_m * speed_across;
+        // d ln(u + b u^⅓) / d ln u.
+        let steeper = if across > 0.0 { (inertial + (across - inertial) / 3.0) / across } else { 1.0 / 3.0 };
+        Drag { force, across, along: 2.0 * half_along, direction, steeper }
     }
 
     /// Force per length across a piece over the speed across it, N·s/m².
@@ -96,13 +102,13 @@ impl DragLaw {
 impl Drag {
     /// How the force per length changes with a small change of the relative wind: the law's Jacobian times it.
     ///
-    /// Across, the force grows as the square of the speed, so a change along the wind counts twice and one
-    /// across it once (the weak rise of `Cn` towards low speeds is left out: at most a third of it, downwards).
+    /// Across, the force grows as the square of the speed and less so where `Cn` rises towards low speeds: a change along the wind counts
+    /// up to twice as much as one across it.
     pub fn change(&self, tangent: Vec3, wind_change: Vec3) -> Vec3 {
         let along = wind_change.dot(&tangent);
         let across = wind_change - tangent * along;
         let windward = across.dot(&self.direction);
-        (across + self.direction * windward) * self.across + tangent * (self.along * along)
+        (across + self.direction * (windward * self.steeper)) * self.across + tangent * (self.along * along)
     }
 }
 
@@ -163,14 +169,16 @@ mod tests {
     #[test]
     fn change_is_the_slope_of_the_law() {
         let tangent = Vec3::new(0.2, -0.5, 0.9).normalize();
-        let wind = Vec3::new(4.0, 1.0, -2.0);
-        let drag = LAW.at(0.005, tangent, wind);
-        for axis in [Vec3::x(), Vec3::y(), Vec3::z()] {
-            let numeric = (LAW.at(0.005, tangent, wind + axis * 1e-4).force
-                - LAW.at(0.005, tangent, wind - axis * 1e-4).force)
-                / 2e-4;
-            let analytic = drag.change(tangent, axis);
-            assert!((numeric - analytic).norm() < 0.05 * (drag.across * 2.0), "{numeric} {analytic}");
+        for speed in [0.1, 1.0, 5.0] {
+            let wind = Vec3::new(4.0, 1.0, -2.0).normalize() * speed;
+            let drag = LAW.at(0.005, tangent, wind);
+            for axis in [Vec3::x(), Vec3::y(), Vec3::z()] {
+                let [after, before] =
+                    [1e-4, -1e-4].map(|step| LAW.at(0.005, tangent, wind + axis * step).force);
+                let numeric = (after - before) / 2e-4;
+                let analytic = drag.change(tangent, axis);
+                assert!((numeric - analytic).norm() < 1e-6 * drag.across, "{numeric} {analytic}");
+            }
         }
     }
 }
