@@ -1,4 +1,5 @@
 use crate::{Stream, StreamAt, StreamNow, SwirlModes};
+use core::ops::Range;
 use nalgebra::{DMatrix, DVector, DVectorView, Matrix3};
 use tousle_core::Vec3;
 
@@ -217,7 +218,7 @@ impl AirFlow {
         assert_eq!(change.len(), 3 * n, "a number for each of a state and each component");
         let wind = stream.wind(now);
         let mut velocity = wind.velocity;
-        let strength_mps = state.swirl_mps * wind.layer;
+        let strength_mps = state.swirl_mps * wind.swirls_left;
         let coefficients = state.values.rows(0, n_modes);
         for axis in 0..3 {
             let shapes = &shapes[axis * n_modes..(axis + 1) * n_modes];
@@ -263,8 +264,8 @@ impl AirFlow {
         AirPlace { stream: self.stream.at(point_m), shapes }
     }
 
-    /// The standard deviation of the wind at a step at many places, m/s a component: of each place one.
-    pub fn spreads_mps(&self, step: usize, places: &[AirPlace]) -> Vec<f64> {
+    /// How sure the wind is at a step at many places: of each place one.
+    pub fn spreads(&self, step: usize, places: &[AirPlace]) -> Vec<AirSpread> {
         let (now, n_modes) = (self.now(step), self.modes.n_modes());
         let n = n_modes + N_STREAM;
         let covariance = self.states[step].covariance.as_ref();
@@ -272,33 +273,53 @@ impl AirFlow {
             places.iter().filter_map(|place| Some((&place.stream, place.shapes.as_ref()?))).collect();
         let mut changes = DMatrix::zeros(n, 3 * reached.len());
         let of_places = reached.iter().zip(changes.as_mut_slice().chunks_exact_mut(3 * n));
-        let left_out = |((stream, shapes), change): (&(&StreamAt, &Vec<f64>), &mut [f64])| {
-            let left_out_mps = self.wind_of(stream, shapes, step, &now, change).1 * left_out(shapes);
-            3.0 * left_out_mps * left_out_mps
+        let unasked = |((stream, shapes), change): (&(&StreamAt, &Vec<f64>), &mut [f64])| {
+            let strength_mps = self.wind_of(stream, shapes, step, &now, change).1;
+            (strength_mps, 3.0 * (strength_mps * left_out(shapes)).powi(2))
         };
-        let left_out: Vec<f64> = of_places.map(left_out).collect();
-        let told = covariance.map_or_else(|| vec![0.0; changes.ncols()], |spread| forms(spread, &changes));
-        let mut of_reached =
-            told.chunks_exact(3).zip(&left_out).map(|(told, left)| told.iter().sum::<f64>() + left);
+        let unasked: Vec<(f64, f64)> = of_places.map(unasked).collect();
+        let told = covariance
+            .map_or_else(|| vec![[0.0; 2]; changes.ncols()], |spread| forms(spread, &changes, n_modes));
+        let mut of_reached = told.chunks_exact(3).zip(&unasked).map(|(told, (strength_mps, left_out))| {
+            let [swirls, all] =
+                [0, 1].map(|which| told.iter().map(|sums| sums[which]).sum::<f64>() + left_out);
+            AirSpread::of(all, swirls, *strength_mps)
+        });
         // Where no mode reaches the stream alone is unknown, and all swirls are.
         let of_stream = covariance.map(|spread| spread.fixed_view::<N_STREAM, N_STREAM>(n_modes, n_modes));
         let swirl_mps = self.states[step].swirl_mps;
         let of_place = |place: &AirPlace| {
-            let variance = match &place.shapes {
-                Some(_) => of_reached.next().expect("one for each that is reached"),
-                None => {
-                    let wind = place.stream.wind(&now);
-                    let left_out_mps = swirl_mps * wind.layer;
-                    let told = of_stream.map_or(0.0, |spread| {
-                        let by = wind.change();
-                        (by * spread * by.transpose()).trace()
-                    });
-                    told + 3.0 * left_out_mps * left_out_mps
-                }
-            };
-            f64::max(variance / 3.0, 0.0).sqrt()
+            if place.shapes.is_some() {
+                return of_reached.next().expect("one for each that is reached");
+            }
+            let wind = place.stream.wind(&now);
+            let strength_mps = swirl_mps * wind.swirls_left;
+            let told = of_stream.map_or(0.0, |spread| {
+                let by = wind.change();
+                (by * spread * by.transpose()).trace()
+            });
+            let swirls = 3.0 * strength_mps * strength_mps;
+            AirSpread::of(told + swirls, swirls, strength_mps)
         };
         places.iter().map(of_place).collect()
+    }
+}
+
+/// How sure the wind is somewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AirSpread {
+    /// Its standard deviation, m/s a component.
+    pub deviation_mps: f64,
+    /// The standard deviation of its swirls over that before any lock was asked; 1 where there are none.
+    pub unknown_swirls: f64,
+}
+
+impl AirSpread {
+    /// From variances of all three components together, and how strong swirls are there.
+    fn of(variance: f64, of_swirls: f64, strength_mps: f64) -> Self {
+        let deviation = |variance: f64| f64::max(variance / 3.0, 0.0).sqrt();
+        let unknown_swirls = if strength_mps > 0.0 { deviation(of_swirls) / strength_mps } else { 1.0 };
+        Self { deviation_mps: deviation(variance), unknown_swirls }
     }
 }
 
@@ -311,19 +332,28 @@ fn left_out(shapes: &[f64]) -> f64 {
 /// Rows of a symmetric matrix that are multiplied at once.
 const BAND: usize = 32;
 
-/// For each column c of many, cᵀ S c, of a symmetric S, of which half is read.
-fn forms(symmetric: &DMatrix<f64>, columns: &DMatrix<f64>) -> Vec<f64> {
-    let (n, mut sums) = (symmetric.nrows(), vec![0.0; columns.ncols()]);
-    for first in (0..n).step_by(BAND) {
-        let band = first..(first + BAND).min(n);
-        let own = columns.rows_range(band.clone());
+/// For each column c of many, cᵀ S c, of a symmetric S, of which half is read: as if c ended after `n_first` numbers, and of all.
+fn forms(symmetric: &DMatrix<f64>, columns: &DMatrix<f64>, n_first: usize) -> Vec<[f64; 2]> {
+    let n = symmetric.nrows();
+    let mut sums = vec![[0.0; 2]; columns.ncols()];
+    let mut add = |rows: Range<usize>, beside: Range<usize>, which: usize| {
+        let own = columns.rows_range(rows.clone());
+        let mut spread = symmetric.view_range(rows.clone(), rows.clone()) * own;
         // What is beside the diagonal counts twice.
-        let beside = symmetric.view_range(band.clone(), band.end..);
-        let mut spread = symmetric.view_range(band.clone(), band.clone()) * own;
-        spread.gemm(2.0, &beside, &columns.rows_range(band.end..), 1.0);
+        spread.gemm(2.0, &symmetric.view_range(rows, beside.clone()), &columns.rows_range(beside), 1.0);
         for ((sum, own), spread) in sums.iter_mut().zip(own.column_iter()).zip(spread.column_iter()) {
-            *sum += own.dot(&spread);
+            sum[which] += own.dot(&spread);
         }
+    };
+    for first in (0..n_first).step_by(BAND) {
+        let end = (first + BAND).min(n_first);
+        add(first..end, end..n_first, 0);
+    }
+    add(n_first..n, n..n, 1);
+    let others = symmetric.view_range(..n_first, n_first..) * columns.rows_range(n_first..);
+    let of_first = columns.rows_range(..n_first);
+    for ((sum, first), others) in sums.iter_mut().zip(of_first.column_iter()).zip(others.column_iter()) {
+        sum[1] += sum[0] + 2.0 * first.dot(&others);
     }
     sums
 }
@@ -382,12 +412,17 @@ mod tests {
             AirState { values, covariance: Some(covariance.clone()), swirl_mps: 0.4, fans: Vec::new() };
         let air = air(modes, vec![state]);
         let places: Vec<_> = points.iter().map(|p| air.place(*p)).collect();
-        for (spread, point) in air.spreads_mps(0, &places).iter().zip(&points) {
+        for (spread, point) in air.spreads(0, &places).iter().zip(&points) {
             let wind = air.at(0, *point);
             let rows = DMatrix::from_row_slice(3, n, &wind.change);
             let known = &rows * &covariance * rows.transpose();
-            let expected = (known.trace() / 3.0 + wind.left_out_mps * wind.left_out_mps).sqrt();
-            assert!((spread - expected).abs() < 1e-12, "{spread} {expected}");
+            let deviation = |known: f64| (known / 3.0 + wind.left_out_mps * wind.left_out_mps).sqrt();
+            let expected = deviation(known.trace());
+            assert!((spread.deviation_mps - expected).abs() < 1e-12, "{spread:?} {expected}");
+            let rows = rows.columns(0, n - N_STREAM);
+            let of_swirls = rows * covariance.view((0, 0), (n - N_STREAM, n - N_STREAM)) * rows.transpose();
+            let expected = deviation(of_swirls.trace()) / 0.4;
+            assert!((spread.unknown_swirls - expected).abs() < 1e-12, "{spread:?} {expected}");
             let alone = air.covariances(0, &[wind])[0];
             assert!((0..9).all(|k| (alone[k] - known[k]).abs() < 1e-12 || k % 4 == 0), "{alone} {known}");
         }

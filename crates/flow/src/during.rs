@@ -217,9 +217,10 @@ impl<L: Lane, F: FnMut(usize, usize, [&[f32]; 3])> NullaryFnOnce for ReadingAt<'
         for (k, point) in points.iter().enumerate() {
             let mut wind = turned(&point.stream.potential, air.past(point.stream.near.as_ref()));
             if let Some(place) = &point.swirl {
+                let left = point.stream.near.map_or(1.0, |near| near.swirls_left);
                 for (node, weight) in steps.modes.corners(place) {
                     let swirl = Vector::of_single(like, &steps.nodes[node], from);
-                    wind = swirl.mul_add(like.same(weight), wind);
+                    wind = swirl.mul_add(like.same(left * weight), wind);
                 }
             }
             if let Some(near) = &point.stream.near {

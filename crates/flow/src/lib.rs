@@ -14,7 +14,7 @@ mod shelter;
 mod stream;
 mod swirl;
 
-pub use air::{AirFlow, AirPlace, AirState, N_STREAM, WindAt};
+pub use air::{AirFlow, AirPlace, AirSpread, AirState, N_STREAM, WindAt};
 pub use during::{AirPoint, AirSteps, STEPS_AT_ONCE};
 pub use potential::PotentialFlow;
 pub use stream::{Stream, StreamAt, StreamNow, StreamPart, StreamWind, stream_parts};

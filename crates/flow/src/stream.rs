@@ -1,5 +1,5 @@
 use crate::PotentialFlow;
-use crate::shelter::{Layer, Lee, distance_m};
+use crate::shelter::{Layer, Lee, distance_m, swirls_left};
 use nalgebra::{DMatrix, Matrix3, Matrix3x6};
 use tousle_core::{Attachment, Body, Shape, Vec3};
 
@@ -24,6 +24,8 @@ pub(crate) struct NearHead {
     pub(crate) from_center_m: Vec3,
     /// From its surface; 0 inside.
     pub(crate) distance_m: f64,
+    /// The share of swirls that it leaves there, whatever blows.
+    pub(crate) swirls_left: f64,
 }
 
 /// A [`Stream`] at one time, ready to be read at many points.
@@ -74,7 +76,8 @@ impl Stream {
     pub fn at(&self, point_m: Vec3) -> StreamAt {
         let near = |(center, half_axes, _)| {
             let from_center_m = point_m - center;
-            NearHead { from_center_m, distance_m: distance_m(half_axes, from_center_m) }
+            let distance_m = distance_m(half_axes, from_center_m);
+            NearHead { from_center_m, distance_m, swirls_left: swirls_left(distance_m) }
         };
         StreamAt {
             potential: self.head.map_or_else(Matrix3::identity, |(.., flow)| flow.at(point_m)),
@@ -140,8 +143,8 @@ const NEARLY_ALIKE: f64 = 1e-6;
 /// The wind at a point and how it changes with what it hangs on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StreamWind {
-    /// The share that the layer at the scalp leaves.
-    pub layer: f64,
+    /// The share of swirls that the scalp and the layer at it leave.
+    pub swirls_left: f64,
     /// The velocity, m/s.
     pub velocity: Vec3,
     /// Its change with the wind far away.
@@ -167,7 +170,7 @@ impl StreamAt {
     pub fn wind(&self, now: &StreamNow) -> StreamWind {
         let Some(near) = self.near else {
             return StreamWind {
-                layer: 1.0,
+                swirls_left: 1.0,
                 velocity: self.potential * now.outside,
                 by_outside: self.potential,
                 by_wake: Vec3::zeros(),
@@ -182,7 +185,7 @@ impl StreamAt {
         let left = self.potential * (Matrix3::identity() - in_lee * now.wake);
         let past = left * now.outside;
         StreamWind {
-            layer: layer.left,
+            swirls_left: near.swirls_left * layer.left,
             velocity: past * layer.left,
             by_outside: left * layer.left,
             by_wake: self.potential * in_lee * now.outside * -layer.left,

@@ -52,14 +52,14 @@ pub(crate) struct Deviations<'a> {
     air: &'a AirFlow,
     /// The lattice's points.
     points: Vec<AirPlace>,
-    /// By voxel of the grid, the points around it; `None` inside the head.
+    /// By voxel of the grid, the points around it, of which those in the head count nothing; `None` inside the head.
     stencils: Vec<Option<Stencil>>,
 }
 
 /// Distance of the lattice's points, m.
 const COARSE_M: f64 = 0.06;
 
-/// Where the spread of the swirls is below this share of what it was before any lock was asked, a voxel is
+/// Where the standard deviation of swirls is below this share of what it was before any lock was asked, a voxel is
 /// interpolated; elsewhere it is the stream outside.
 const KNOWN_SHARE: f64 = 0.75;
 
@@ -67,10 +67,13 @@ impl<'a> Deviations<'a> {
     pub(crate) fn new(grid: &GridSpec, air: &'a AirFlow) -> Self {
         let dims = grid.dims.map(|n| ((n as f64 * grid.edge_m / COARSE_M).ceil() as usize).max(1));
         let coarse = GridSpec { origin_m: grid.origin_m, edge_m: COARSE_M, dims };
+        let is_air: Vec<bool> = (0..coarse.n_voxels())
+            .map(|flat| !air.stream.is_solid(coarse.cell_center_m(coarse.unflat(flat))))
+            .collect();
         let point = |flat| air.place(coarse.cell_center_m(coarse.unflat(flat)));
         let stencil = |flat| {
             let center_m = grid.cell_center_m(grid.unflat(flat));
-            (!air.stream.is_solid(center_m)).then(|| Stencil::at(&coarse, center_m))
+            (!air.stream.is_solid(center_m)).then(|| in_air(Stencil::at(&coarse, center_m), &is_air))
         };
         Self {
             air,
@@ -81,18 +84,30 @@ impl<'a> Deviations<'a> {
 
     /// Adds them to a step, and flags where locks tell of the air.
     pub(crate) fn add_to(&self, field: &mut Field, step: usize) {
-        let spreads_mps = self.air.spreads_mps(step, &self.points);
-        let swirl_mps = self.air.states[step].swirl_mps;
+        let spreads = self.air.spreads(step, &self.points);
         let mut sd = vec![0.0f32; self.stencils.len()];
         for (flat, stencil) in self.stencils.iter().enumerate() {
             let Some(stencil) = stencil else { continue };
-            let parts = stencil.flats.iter().zip(&stencil.weights);
-            let spread_mps: f64 = parts.map(|(point, weight)| spreads_mps[*point] * weight).sum();
-            sd[flat] = spread_mps as f32;
-            if spread_mps < KNOWN_SHARE * swirl_mps && field.flags[flat] == VoxelFlag::Outside {
+            let (mut deviation_mps, mut unknown_swirls) = (0.0, 0.0);
+            for (point, weight) in stencil.flats.iter().zip(&stencil.weights) {
+                deviation_mps += weight * spreads[*point].deviation_mps;
+                unknown_swirls += weight * spreads[*point].unknown_swirls;
+            }
+            sd[flat] = deviation_mps as f32;
+            if unknown_swirls < KNOWN_SHARE && field.flags[flat] == VoxelFlag::Outside {
                 field.flags[flat] = VoxelFlag::Interpolated;
             }
         }
         field.sd = Some(sd);
     }
+}
+
+/// A stencil of which only the points in the air count, if there are any: nothing is unknown in a head.
+fn in_air(mut stencil: Stencil, is_air: &[bool]) -> Stencil {
+    let counts = stencil.flats.map(|flat| if is_air[flat] { 1.0 } else { 0.0 });
+    let sum: f64 = stencil.weights.iter().zip(counts).map(|(weight, counts)| weight * counts).sum();
+    if sum > 0.0 {
+        stencil.weights.iter_mut().zip(counts).for_each(|(weight, counts)| *weight *= counts / sum);
+    }
+    stencil
 }
