@@ -158,6 +158,8 @@ fn bending(seen: &SeenLock, step: usize, j: usize, step_secs: f64) -> Vec3 {
     let (lock, at) = (&seen.lock, &seen.steps[step]);
     let (before, after) = (step.saturating_sub(1), (step + 1).min(seen.steps.len() - 1));
     let span_secs = step_secs * (after - before).max(1) as f64;
-    let rate = (seen.steps[after].bends[j] - seen.steps[before].bends[j]) / span_secs;
+    // A bend that goes round with what the joint hangs on has no rate.
+    let carried = |k: usize| at.turned[j] * (seen.steps[k].turned[j].inverse() * seen.steps[k].bends[j]);
+    let rate = (carried(after) - carried(before)) / span_secs;
     (at.bends[j] + rate * lock.damping_secs) * -lock.joint_stiffness[j]
 }

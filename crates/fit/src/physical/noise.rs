@@ -33,15 +33,11 @@ const BEND_UNKNOWN: f64 = 0.2;
 /// Error of what a joint held at rest, as a share of it.
 const REST_SHARE: f64 = 0.15;
 
-/// How long the errors of this covariance last, s: neighboring steps err together, which counts as a larger error of each,
-/// whatever [`PhysicalOptions::errors_last_secs`](crate::PhysicalOptions::errors_last_secs) makes of how they change.
-const ERROR_LASTS_SECS: f64 = 0.1;
-
 /// The covariance of a lock's imbalance at a step, (N·m)².
 ///
 /// Moments of nested joints err together: a force that is off is off in all of them.
 pub(crate) fn covariance(balance: &Balance<'_>) -> DMatrix<f64> {
-    let Balance { seen, step, step_secs, rest, error_stiffness, bend_error_rad, .. } = *balance;
+    let Balance { seen, step, rest, error_stiffness, bend_error_rad, .. } = *balance;
     let (lock, at) = (&seen.lock, &seen.steps[step]);
     let n = lock.n_sticks();
     let spread = |k: usize| {
@@ -94,10 +90,5 @@ pub(crate) fn covariance(balance: &Balance<'_>) -> DMatrix<f64> {
             covariance[(2 * j + row, 2 * j + row)] += own;
         }
     }
-    covariance * counted_as_one(step_secs)
-}
-
-/// How many steps count as one, whose errors are alike.
-pub(crate) fn counted_as_one(step_secs: f64) -> f64 {
-    f64::max(ERROR_LASTS_SECS / step_secs, 1.0)
+    covariance
 }

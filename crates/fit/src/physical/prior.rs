@@ -22,7 +22,7 @@ const SWIRL_LASTS_SECS: f64 = 1.0;
 const FAN_SHARE: f64 = 0.5;
 
 /// The same up and down, where fans do not swing and floor and ceiling are near.
-const RISING_SHARE: f64 = 0.15;
+const RISING_SHARE: f64 = 0.07;
 
 /// Time in which the wind far away may change as far, s.
 const OUTSIDE_LASTS_SECS: f64 = 0.6;
@@ -74,13 +74,13 @@ pub(crate) fn is_still(problem: &Problem<'_>, step: usize) -> bool {
     problem.still.is_some_and(|(first, last)| (first..=last).contains(&frame))
 }
 
-/// The state's prior: swirls about nothing, carried as [`carried`] says, wake, layer and slip about what is usual, the wind far away
-/// from step to step.
-pub(crate) fn wander(problem: &Problem<'_>, fan_wind: &[FanWind], n_modes: usize) -> Wander {
+/// The state's prior: swirls about nothing and the wind far away about anything, carried as [`carried`] says, wake, layer and slip about
+/// what is usual.
+pub(crate) fn wander(problem: &Problem<'_>, n_modes: usize) -> Wander {
     let n = n_modes + N_STREAM;
     let dt = 1.0 / problem.clock.rate_hz;
     let keep = |lasts_secs: f64| libm::exp(-dt / lasts_secs);
-    let strongest = strongest_mps(fan_wind);
+    let n_carried = n_modes + 3;
     let mut keeps = DVector::zeros(n);
     let mut mean = DVector::zeros(n);
     let mut sd = DVector::from_element(n, 1.0);
@@ -89,19 +89,17 @@ pub(crate) fn wander(problem: &Problem<'_>, fan_wind: &[FanWind], n_modes: usize
         (keeps[at], mean[at], sd[at]) = (keep(*lasts), *value, *spread);
     }
     let mut first = sd.map(|s: f64| 1.0 / (s * s));
-    let mut fresh = DVector::from_fn(n, |i, _| first[i] / (1.0 - keeps[i] * keeps[i]));
-    let step_mps = FAN_SHARE * strongest * (2.0 * dt / OUTSIDE_LASTS_SECS).sqrt();
-    for c in n_modes..n_modes + 3 {
-        (keeps[c], first[c], fresh[c]) = (1.0, 0.0, 1.0 / (step_mps * step_mps));
-    }
-    Wander { mean, first, keeps, fresh, n_carried: n_modes }
+    let fresh = DVector::from_fn(n, |i, _| first[i] / (1.0 - keeps[i] * keeps[i]));
+    first.rows_mut(n_modes, 3).fill(0.0);
+    Wander { mean, first, keeps, fresh, n_carried }
 }
 
-/// How swirls that travel come to a step from the one before.
+/// How swirls that travel, and the wind far away, come to a step from the one before.
 ///
-/// The stream carries them past (G. I. Taylor's hypothesis, "The spectrum of turbulence", 1938): what blows somewhere was
-/// upstream before, at the speed that `air` has far away.
-pub(crate) fn carried(problem: &Problem<'_>, air: &AirFlow, step: usize) -> Carried {
+/// The stream carries swirls past (G. I. Taylor's hypothesis, "The spectrum of turbulence", 1938): what blows somewhere was
+/// upstream before, at the speed that `air` has far away. The wind far away is in the axes of the head, which turns: in those of the
+/// room it goes on as it was, but for what it may change by if the fans' strongest wind is `strongest_mps`.
+pub(crate) fn carried(problem: &Problem<'_>, air: &AirFlow, strongest_mps: f64, step: usize) -> Carried {
     let n = air.modes.n_modes();
     let dt = 1.0 / problem.clock.rate_hz;
     let before = step.saturating_sub(1);
@@ -110,37 +108,59 @@ pub(crate) fn carried(problem: &Problem<'_>, air: &AirFlow, step: usize) -> Carr
     let by = air.modes.carried(&(Translation3::from(-travel_m) * head_before_from_now))
         * libm::exp(-dt / SWIRL_LASTS_SECS);
     let fresh = DMatrix::identity(n, n) - &by * by.transpose();
-    Carried::new(&by, &inverse_factor(&fresh).unwrap_or_else(|| DMatrix::identity(n, n)))
+    let unmixed = inverse_factor(&fresh).unwrap_or_else(|| DMatrix::identity(n, n));
+    let turned = head_before_from_now.rotation.inverse().to_rotation_matrix().into_inner();
+    let walk = |share: f64| walk_mps(share * strongest_mps, dt).powi(2);
+    let changes = level_and_up(problem, step, walk(FAN_SHARE), walk(RISING_SHARE));
+    let changes = changes.cholesky().and_then(|factor| factor.l().try_inverse());
+    Carried::new(&beside(&by, &turned), &beside(&unmixed, &changes.expect("shares above zero")))
+}
+
+/// Two square matrices along the diagonal of one.
+fn beside(first: &DMatrix<f64>, second: &Matrix3<f64>) -> DMatrix<f64> {
+    let n = first.nrows();
+    let mut both = first.clone().resize(n + 3, n + 3, 0.0);
+    both.fixed_view_mut::<3, 3>(n, n).copy_from(second);
+    both
+}
+
+/// By how much the wind far away changes from step to step, m/s, so that it is off by `spread_mps` in the long run.
+fn walk_mps(spread_mps: f64, step_secs: f64) -> f64 {
+    spread_mps * (2.0 * step_secs / OUTSIDE_LASTS_SECS).sqrt()
+}
+
+/// The matrix that is one number level with the ground and another one up and down, head axes.
+fn level_and_up(problem: &Problem<'_>, step: usize, level: f64, rising: f64) -> Matrix3<f64> {
+    let up = -(problem.clock.pose(step).rotation.inverse() * problem.gravity_world).normalize();
+    Matrix3::from_diagonal_element(level) + up * up.transpose() * (rising - level)
 }
 
 /// What is known of the wind far away at every step before any lock is asked: the precision matrix of its value, which is
 /// about [`fan_wind`].
 ///
 /// A number that wanders by σ from step to step and is pulled back with a spread of s has a spread of √(σ s / 2) in the long
-/// run: s is chosen for [`FAN_SHARE`] of the fans' wind level with the ground, where fans are turned and take turns, and for
-/// [`RISING_SHARE`] of it up and down.
+/// run, and forgets in s/σ steps: σ and s are chosen for [`OUTSIDE_LASTS_SECS`] and, level with the ground, where fans are turned and
+/// take turns, [`FAN_SHARE`] of the fans' wind, up and down [`RISING_SHARE`] of it.
 pub(crate) fn known_outside(problem: &Problem<'_>, fan_wind: &[FanWind]) -> Vec<Matrix3<f64>> {
     let strongest = strongest_mps(fan_wind);
     let dt = 1.0 / problem.clock.rate_hz;
-    let step_mps = FAN_SHARE * strongest * (2.0 * dt / OUTSIDE_LASTS_SECS).sqrt();
     let precision = |share: f64| {
-        let pull_mps = 2.0 * (share * strongest) * (share * strongest) / step_mps;
+        let spread_mps = share * strongest;
+        let pull_mps = 2.0 * spread_mps * spread_mps / walk_mps(spread_mps, dt);
         1.0 / (pull_mps * pull_mps)
     };
-    let (level, rising) = (precision(FAN_SHARE), precision(RISING_SHARE));
     (0..problem.clock.n_steps)
         .map(|step| {
             if is_still(problem, step) {
                 return Matrix3::from_diagonal_element(1.0 / (DRAFT_MPS * DRAFT_MPS));
             }
-            let up = -(problem.clock.pose(step).rotation.inverse() * problem.gravity_world).normalize();
-            Matrix3::from_diagonal_element(level) + up * up.transpose() * (rising - level)
+            level_and_up(problem, step, precision(FAN_SHARE), precision(RISING_SHARE))
         })
         .collect()
 }
 
 /// The strongest wind that the fans make, m/s; where there is none, what may blow unnamed.
-fn strongest_mps(fan_wind: &[FanWind]) -> f64 {
+pub(crate) fn strongest_mps(fan_wind: &[FanWind]) -> f64 {
     let strongest = fan_wind.iter().map(|fans| fans.velocity.norm()).fold(0.0, f64::max);
     if strongest > 0.0 { strongest } else { UNNAMED_MPS }
 }

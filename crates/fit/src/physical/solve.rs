@@ -6,7 +6,8 @@ use super::evidence::Station;
 use super::lock::SeenLock;
 use super::moments::{Balance, DragSlope};
 use super::prior::{
-    FanWind, LOG_LAYER, SLIP, SWIRL_SHARE, WAKE, carried, fan_wind, known_outside, swirl_mps, wander,
+    FanWind, LOG_LAYER, SLIP, SWIRL_SHARE, WAKE, carried, fan_wind, known_outside, strongest_mps, swirl_mps,
+    wander,
 };
 use super::smoother::{Said, most_likely};
 use super::statements::{StepSaid, ask};
@@ -239,8 +240,9 @@ fn step_states(
         let likely = LikelyConstants { n_locks: problem.locks.len(), rest_seen: problem.still.is_some() };
         ConstantsSaid::together(of_constants, likely, spread)
     });
-    let wander = wander(problem, fan_wind, air.modes.n_modes());
-    let carried = |step: usize| carried(problem, air, step);
+    let wander = wander(problem, air.modes.n_modes());
+    let strongest_mps = strongest_mps(fan_wind);
+    let carried = |step: usize| carried(problem, air, strongest_mps, step);
     let with_covariance = sureness != Sureness::Unasked;
     let (likely, constants) = most_likely(&wander, carried, of_air, of_constants, with_covariance)?;
     for (state, likely) in air.states.iter_mut().zip(likely) {

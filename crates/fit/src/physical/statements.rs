@@ -5,7 +5,6 @@ use super::constants::{ConstantsAt, N_CONSTANTS};
 use super::evidence::Evidence;
 use super::lock::SeenLock;
 use super::moments::DragSlope;
-use super::noise::counted_as_one;
 use super::smoother::Said;
 use super::solve::{Problem, Surroundings};
 use super::triangle::Triangle;
@@ -69,11 +68,13 @@ pub(crate) fn ask(
     said
 }
 
-/// How much a statement counts if its error lasts.
+/// How much a statement counts, as its error lasts: every step's own, and every change from step to step.
 ///
-/// An error z of variance 1 of which a share `a` is left at the next step has the precision (z − a z₋)² / (1 − a²). As
-/// (z − a z₋)² = a (z − z₋)² + (1 − a) (z² − a z₋²), that is (1 − a) / (1 + a) for every step's own, and for every change from step to
-/// step all but what it varies by.
+/// Of an error of variance 1 the share `f` is fleeting; of the rest a share `a` is left at the next step. In what stays the same it has
+/// the power `s = (1 − f)(1 + a)/(1 − a) + f`, in what goes to and fro at every step `q = (1 − f)(1 − a)/(1 + a) + f`. Of the former a
+/// statement's changes tell nothing, and of the latter they are twice its size: so each counts as it should if own ones count `1/s` and
+/// changes `(1/q − 1/s)/4`. Without fleeting errors that is the precision matrix itself; with them what is in between counts less than it
+/// could, by up to two thirds. (Changes that count one and a half times or twice as much find the same wind.)
 struct Counts {
     own: f64,
     change: f64,
@@ -82,13 +83,12 @@ struct Counts {
 impl Counts {
     fn of_steps(step_secs: f64, options: &PhysicalOptions) -> Self {
         let left = libm::exp(-step_secs / options.errors_last_secs);
-        let fleeting = options.fleeting_share;
-        let of_change = 2.0 * (1.0 - left) * (1.0 - fleeting) + 2.0 * fleeting;
-        let as_one = counted_as_one(step_secs);
-        Self {
-            own: as_one * (1.0 - left) / (1.0 + left),
-            change: as_one * f64::min(step_secs / FLEETING_SECS, 1.0) / of_change,
-        }
+        let lasting = 1.0 - options.fleeting_share;
+        // Finer steps share what is fleeting, so that of each of them has to be larger.
+        let fleeting = options.fleeting_share * f64::max(FLEETING_SECS / step_secs, 1.0);
+        let slow = lasting * (1.0 + left) / (1.0 - left) + fleeting;
+        let quick = lasting * (1.0 - left) / (1.0 + left) + fleeting;
+        Self { own: 1.0 / slow, change: 0.25 * (1.0 / quick - 1.0 / slow) }
     }
 }
 
@@ -298,4 +298,55 @@ struct Weighed {
     weights: Vec<f64>,
     by_constants: DMatrix<f64>,
     target: DVector<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const N_STEPS: usize = 240;
+
+    /// The precision with which errors of these options tell what has this shape over time, from their covariance.
+    fn told(options: &PhysicalOptions, step_secs: f64, shape: impl Fn(usize) -> f64) -> f64 {
+        let covariance = DMatrix::from_fn(N_STEPS, N_STEPS, |a, b| {
+            let lasts = libm::exp(-(a.abs_diff(b) as f64) * step_secs / options.errors_last_secs);
+            let fleeting = if a == b { options.fleeting_share } else { 0.0 };
+            (1.0 - options.fleeting_share) * lasts + fleeting
+        });
+        let shape = DVector::from_fn(N_STEPS, |k, _| shape(k));
+        covariance.cholesky().unwrap().solve(&shape).dot(&shape)
+    }
+
+    /// What stays, and what goes to and fro, counts as by the covariance of the errors, and what is between never more.
+    #[test]
+    fn statements_count_as_their_errors_last() {
+        for (step_secs, fleeting_share) in
+            [(0.1, 0.5), (1.0 / 30.0, 0.5), (1.0 / 30.0, 0.3), (1.0 / 30.0, 0.0)]
+        {
+            let options = PhysicalOptions { fleeting_share, ..PhysicalOptions::default() };
+            let counts = Counts::of_steps(step_secs, &options);
+            let counted = |shape: &dyn Fn(usize) -> f64| {
+                let own: f64 = (0..N_STEPS).map(|k| shape(k).powi(2)).sum();
+                let change: f64 = (1..N_STEPS).map(|k| (shape(k) - shape(k - 1)).powi(2)).sum();
+                (counts.own * own + counts.change * change) / told(&options, step_secs, shape)
+            };
+            let share = 1.0 / N_STEPS as f64;
+            let slow = counted(&|k| libm::sin(core::f64::consts::PI * k as f64 * share));
+            let quick = counted(&|k| if k % 2 == 0 { 1.0 } else { -1.0 });
+            let between = counted(&|k| libm::sin(0.6 * k as f64));
+            assert!((slow - 1.0).abs() < 0.05 && (quick - 1.0).abs() < 0.05, "{slow} {quick}");
+            let least = if fleeting_share > 0.0 { 0.33 } else { 0.98 };
+            assert!((least..1.02).contains(&between), "{between} with {fleeting_share}");
+        }
+    }
+
+    /// Errors that last count as much in a tenth of a second of fine steps as of coarse ones.
+    #[test]
+    fn finer_steps_tell_no_more_of_what_lasts() {
+        let told = |rate_hz: f64| {
+            let counts = Counts::of_steps(1.0 / rate_hz, &PhysicalOptions::default());
+            counts.own * rate_hz
+        };
+        assert!((told(120.0) / told(30.0) - 1.0).abs() < 0.05, "{} {}", told(30.0), told(120.0));
+    }
 }

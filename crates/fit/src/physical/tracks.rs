@@ -11,6 +11,8 @@ pub(crate) struct Clock {
     /// `world_from_head` in every frame; where nobody knows it, between those around.
     pub(crate) poses: Vec<Pose>,
     pub(crate) frame_rate_hz: f64,
+    /// `world_from_head` at every step.
+    at_steps: Vec<Pose>,
 }
 
 impl Clock {
@@ -24,7 +26,19 @@ impl Clock {
             .collect();
         let poses =
             (!known.is_empty()).then(|| (0..head.n_frames()).map(|f| between(&known, f)).collect())?;
-        Some(Self { n_steps, rate_hz, poses, frame_rate_hz: head.rate_hz })
+        Some(Self::of_poses(poses, head.rate_hz, n_steps, rate_hz))
+    }
+
+    /// `poses`: in every frame, at least one.
+    fn of_poses(poses: Vec<Pose>, frame_rate_hz: f64, n_steps: usize, rate_hz: f64) -> Self {
+        let last = poses.len() - 1;
+        let at_step = |step: usize| {
+            let place = step as f64 / rate_hz * frame_rate_hz;
+            let before = (place as usize).min(last);
+            on_the_way(&poses[before], &poses[(before + 1).min(last)], (place - before as f64).min(1.0))
+        };
+        let at_steps = (0..n_steps).map(at_step).collect();
+        Self { n_steps, rate_hz, poses, frame_rate_hz, at_steps }
     }
 
     pub(crate) fn time_secs(&self, step: usize) -> f64 {
@@ -36,8 +50,9 @@ impl Clock {
         ((self.time_secs(step) * self.frame_rate_hz).round() as usize).min(self.poses.len() - 1)
     }
 
+    /// Where the head is at a step: between two frames on the straight way.
     pub(crate) fn pose(&self, step: usize) -> &Pose {
-        &self.poses[self.frame(step)]
+        &self.at_steps[step]
     }
 }
 
@@ -49,7 +64,11 @@ fn between(known: &[(usize, Pose)], frame: usize) -> Pose {
     if frame >= to || frame <= from {
         return if frame >= to { after } else { before };
     }
-    let part = (frame - from) as f64 / (to - from) as f64;
+    on_the_way(&before, &after, (frame - from) as f64 / (to - from) as f64)
+}
+
+/// A part of the straight way from one pose to another.
+fn on_the_way(before: &Pose, after: &Pose, part: f64) -> Pose {
     let turn = (before.rotation.inverse() * after.rotation).scaled_axis() * part;
     Pose::from_parts(
         before.translation.vector.lerp(&after.translation.vector, part).into(),
@@ -142,12 +161,7 @@ mod tests {
     /// A marker that swings by 1 cm at 5 Hz beside a head that stands still, seen at 120 frames a second with the given errors: how
     /// much of the swing is left.
     fn left_of_swing(samples: &[Sample]) -> f64 {
-        let clock = Clock {
-            n_steps: FRAMES,
-            rate_hz: 120.0,
-            poses: vec![Pose::identity(); FRAMES],
-            frame_rate_hz: 120.0,
-        };
+        let clock = Clock::of_poses(vec![Pose::identity(); FRAMES], 120.0, FRAMES, 120.0);
         let mut track = Track::missing(FRAMES);
         for frame in 0..FRAMES {
             let phase = 2.0 * core::f64::consts::PI * 5.0 * frame as f64 / 120.0;
@@ -160,6 +174,23 @@ mod tests {
 
     fn all(error_m: f64) -> Vec<Sample> {
         vec![Sample { kind: SampleKind::Seen, error_m }; FRAMES]
+    }
+
+    /// At a step between two frames the head is between their poses, as far as the step is.
+    #[test]
+    fn a_head_goes_on_between_frames() {
+        let pose = |k: usize| {
+            let turn = UnitQuaternion::from_scaled_axis(Vec3::z() * (0.04 * k as f64));
+            Pose::from_parts((Vec3::x() * (0.01 * k as f64)).into(), turn)
+        };
+        // 25 frames a second, 30 steps: the fourth is at frame 2.5.
+        let clock = Clock::of_poses((0..6).map(pose).collect(), 25.0, 6, 30.0);
+        let found = clock.pose(3);
+        assert!((found.translation.vector - Vec3::x() * 0.025).norm() < 1e-12);
+        assert!((found.rotation.scaled_axis() - Vec3::z() * 0.1).norm() < 1e-12);
+        // A step after the last frame is there.
+        let clock = Clock::of_poses((0..2).map(pose).collect(), 25.0, 4, 30.0);
+        assert!((clock.pose(3).translation.vector - Vec3::x() * 0.01).norm() < 1e-12);
     }
 
     /// What is left of a swing falls slowly with how noisy a marker is: of one at 5 Hz 99.5 % with 0.3 mm, 97 % with 1.7 mm.
