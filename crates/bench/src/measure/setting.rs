@@ -80,7 +80,7 @@ impl Setting {
             with("swirls of 18 cm", &|o| o.swirl_length_m = 0.18),
             with("bends off by 0.04", &|o| o.bend_error_rad = 0.04),
             with("bends off by 0.08", &|o| o.bend_error_rad = 0.08),
-            with("errors last 0.05 s", &|o| o.errors_last_secs = 0.05),
+            with("errors last 0.1 s", &|o| o.errors_last_secs = 0.1),
             with("errors last 0.2 s", &|o| o.errors_last_secs = 0.2),
             with("0.3 of errors fleeting", &|o| o.fleeting_share = 0.3),
             with("0.7 of errors fleeting", &|o| o.fleeting_share = 0.7),
