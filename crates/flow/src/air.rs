@@ -310,16 +310,18 @@ impl AirFlow {
 pub struct AirSpread {
     /// Its standard deviation, m/s a component.
     pub deviation_mps: f64,
-    /// The standard deviation of its swirls over that before any lock was asked; 1 where there are none.
+    /// The variance of its swirls over that before any lock was asked; 1 where there are none.
     pub unknown_swirls: f64,
 }
 
 impl AirSpread {
     /// From variances of all three components together, and how strong swirls are there.
     fn of(variance: f64, of_swirls: f64, strength_mps: f64) -> Self {
-        let deviation = |variance: f64| f64::max(variance / 3.0, 0.0).sqrt();
-        let unknown_swirls = if strength_mps > 0.0 { deviation(of_swirls) / strength_mps } else { 1.0 };
-        Self { deviation_mps: deviation(variance), unknown_swirls }
+        let before = 3.0 * strength_mps * strength_mps;
+        Self {
+            deviation_mps: f64::max(variance / 3.0, 0.0).sqrt(),
+            unknown_swirls: if before > 0.0 { of_swirls / before } else { 1.0 },
+        }
     }
 }
 
@@ -421,7 +423,7 @@ mod tests {
             assert!((spread.deviation_mps - expected).abs() < 1e-12, "{spread:?} {expected}");
             let rows = rows.columns(0, n - N_STREAM);
             let of_swirls = rows * covariance.view((0, 0), (n - N_STREAM, n - N_STREAM)) * rows.transpose();
-            let expected = deviation(of_swirls.trace()) / 0.4;
+            let expected = (deviation(of_swirls.trace()) / 0.4).powi(2);
             assert!((spread.unknown_swirls - expected).abs() < 1e-12, "{spread:?} {expected}");
             let alone = air.covariances(0, &[wind])[0];
             assert!((0..9).all(|k| (alone[k] - known[k]).abs() < 1e-12 || k % 4 == 0), "{alone} {known}");
