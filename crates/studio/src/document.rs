@@ -30,6 +30,8 @@ pub struct Source {
     pub field_path: PathBuf,
     /// The groom file.
     pub groom_path: PathBuf,
+    /// The number of each strand in it, from 0: those that cannot be simulated are left out.
+    pub strand_numbers: Vec<usize>,
     /// The field file's bytes: its packed voxels are copied when it is saved, never packed anew.
     pub packed: Arc<[u8]>,
 }

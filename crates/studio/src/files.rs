@@ -53,8 +53,12 @@ pub fn open(files: &Files) -> anyhow::Result<Opened> {
     }
     let read = tousle_groom::read_groom(&read_file(&files.groom)?, &options)
         .with_context(|| format!("cannot use the groom {}", files.groom.display()))?;
-    let source =
-        Source { field_path: files.field.clone(), groom_path: files.groom.clone(), packed: packed.into() };
+    let source = Source {
+        field_path: files.field.clone(),
+        groom_path: files.groom.clone(),
+        strand_numbers: read.numbers,
+        packed: packed.into(),
+    };
     let document = Document::new(eff.field, eff.scene, read.groom, source);
     let unsaved = read_autosave(&document);
     Ok(Opened { document, warnings: read.warnings, unsaved })
@@ -82,7 +86,7 @@ pub fn export_motion(document: &Document, motion: &StrandMotion, path: &Path) ->
     check_ending(path, &["npz", "usda"])?;
     write_whole(path, |out| {
         if ending(path) == "npz" {
-            return tousle_export::write_motion_npz(motion, out);
+            return tousle_export::write_numbered_motion_npz(motion, &document.source.strand_numbers, out);
         }
         let mut options = UsdOptions::default();
         options.scene = Some(&document.scene);

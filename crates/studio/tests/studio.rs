@@ -308,6 +308,8 @@ fn the_motion_is_exported() {
     let bytes = std::fs::read(world.folder.path().join("motion.npz")).unwrap();
     let motion = tousle_export::read_motion_npz(&bytes).unwrap();
     assert_eq!(motion.positions_m, window.studio().motion().unwrap().positions_m);
+    let numbers = tousle_export::read_numbers_npz(&bytes, "strand", &[0]).unwrap();
+    assert_eq!(numbers.len(), motion.counts.len(), "the number of each strand in the groom");
     window.press(Modifiers::COMMAND, Key::E);
     window.write("File name", "motion.abc");
     window.click("Export");
