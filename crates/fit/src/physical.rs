@@ -67,7 +67,7 @@ impl Default for PhysicalOptions {
             max_modes: 100,
             swirl_length_m: 0.14,
             bend_error_rad: 0.06,
-            errors_last_secs: 0.15,
+            errors_last_secs: 0.17,
             fleeting_share: 0.5,
             stiffness_known: true,
             locks_differ: true,
