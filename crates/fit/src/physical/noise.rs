@@ -27,8 +27,9 @@ const STIFFNESS_SHARE: f64 = 0.3;
 const UNSEEN_BEND: f64 = 0.1;
 
 /// Error of a joint's bend, rad, of a lock that nobody saw at rest: what three numbers about each axis ([`super::constants`]) do
-/// not tell of its natural shape.
-const BEND_UNKNOWN: f64 = 0.2;
+/// not tell of its natural shape, some .2. It stays for a whole capture, and counts as one that does not: so its square is three
+/// times as large.
+const BEND_UNKNOWN: f64 = 0.35;
 
 /// Error of what a joint held at rest, as a share of it.
 const REST_SHARE: f64 = 0.15;
