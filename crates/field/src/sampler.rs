@@ -283,16 +283,14 @@ impl Moment<'_> {
             _ => self.sampler.kept,
         };
         let places = self.sampler.places(points_m, window);
-        let sums = match &self.source {
+        let mut vectors = match &self.source {
             Source::Together(voxels) => places.gather(voxels),
             Source::LaidOut { before, after, share } => places.gather_mixed(*before, *after, *share),
             Source::AsTheyLie { before, after, share } => places.gather_mixed(before, after, *share),
         };
-        let mut vectors = [[0.0; WIDTH]; 3];
-        for k in 0..WIDTH {
-            for axis in 0..3 {
-                let inside = sums[k][axis];
-                vectors[axis][k] = inside + (self.outside[axis] - inside) * places.far[k];
+        for (component, outside) in vectors.iter_mut().zip(self.outside) {
+            for (inside, far) in component.iter_mut().zip(places.far) {
+                *inside += (outside - *inside) * far;
             }
         }
         for (placed, presence) in &self.layers {
@@ -380,6 +378,25 @@ mod tests {
                     let [part, whole] = [&part, &whole].map(|s| s.at(0.07, reading).sample(point));
                     assert_eq!(part, whole, "{point:?} {reading:?}");
                 }
+            }
+        }
+    }
+
+    /// Points that share voxels and points that do not are looked up in other ways, and see the same to the bit.
+    #[test]
+    fn a_point_does_not_know_who_is_looked_up_beside_it() {
+        let grid = GridSpec::cube(0.6, 0.1).unwrap();
+        let in_head = |p: Vec3| p.norm() < 0.12;
+        let sequence = sequence(grid, in_head);
+        let sampler = Sampler::new(&sequence, in_head);
+        let moment = sampler.at(0.07, Reading::Together);
+        for spread in [0.0, 0.01, 0.05, 0.1, 0.2, 0.7] {
+            let point =
+                |k: usize| [0, 1, 2].map(|axis| (spread * libm::sin((7 * k + 3 * axis) as f64)) as f32);
+            let points = [0, 1, 2].map(|axis| core::array::from_fn(|k| point(k)[axis]));
+            let together = moment.sample_many(&points);
+            for k in 0..WIDTH {
+                assert_eq!(together.map(|component| component[k]), moment.sample(point(k)), "{spread} {k}");
             }
         }
     }

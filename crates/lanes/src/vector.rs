@@ -1,4 +1,4 @@
-use crate::Lane;
+use crate::{Lane, MOST_LANES};
 use core::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 use tousle_core::Vec3;
 
@@ -63,6 +63,17 @@ impl<L: Lane> Vector<L> {
         for (row, components) in rows.iter_mut().zip([self.x, self.y, self.z]) {
             components.to_single(&mut row[from..from + L::N]);
         }
+    }
+
+    /// Rounded to single precision.
+    #[inline(always)]
+    pub fn as_single(self) -> Self {
+        let rounded = |component: L| {
+            let mut numbers = [0.0; MOST_LANES];
+            component.to_single(&mut numbers[..L::N]);
+            component.of_single(&numbers[..L::N])
+        };
+        Self::new(rounded(self.x), rounded(self.y), rounded(self.z))
     }
 
     /// What [`Vector::put_single`] puts, beside a number that there is.

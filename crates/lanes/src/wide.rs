@@ -71,6 +71,22 @@ macro_rules! each_point {
     };
 }
 
+/// [`Lane::each_point`] of numbers in double precision: by way of memory, where they are rounded side by side.
+macro_rules! each_point_of_rows {
+    () => {
+        #[inline(always)]
+        fn each_point(components: [Self; 3], mut say: impl FnMut(usize, [f32; 4])) {
+            let mut rows = [[0.0; Self::N]; 3];
+            for (row, component) in rows.iter_mut().zip(components) {
+                component.to_single(row);
+            }
+            for lane in 0..Self::N {
+                say(lane, [rows[0][lane], rows[1][lane], rows[2][lane], rows[2][lane]]);
+            }
+        }
+    };
+}
+
 /// Numbers of `$n` strands in a register: the names of what is done with it, and with its bits.
 macro_rules! wide {
     (
@@ -78,7 +94,7 @@ macro_rules! wide {
         [$splat:ident $add:ident $sub:ident $mul:ident $div:ident $neg:ident $mul_add:ident],
         [$max:ident $min:ident $select:ident $greater:ident $not:ident],
         [$splat_bits:ident $sub_bits:ident $shift_left:ident $shift_right:ident],
-        $of_single:expr, $to_single:expr $(, [$($lane:literal)*])?
+        $of_single:expr, $to_single:expr, $each_point:ident![$($lane:literal)*]
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
@@ -152,7 +168,7 @@ macro_rules! wide {
                 numbers.copy_from_slice(&cast::<_, [f32; $n]>($to_single(self.simd, self.numbers)));
             }
 
-            $(each_point!($($lane)*);)?
+            $each_point!($($lane)*);
 
             #[inline(always)]
             fn mul_add(self, by: Self, to: Self) -> Self {
@@ -225,7 +241,8 @@ wide!(
     [max_f64s min_f64s select_f64s greater_than_f64s not_m64s],
     [splat_u64s sub_u64s shl_const_u64x4 shr_const_u64x4],
     |simd: V3, single| simd.convert_f32x4_to_f64x4(single),
-    |simd: V3, double| simd.convert_f64x4_to_f32x4(double)
+    |simd: V3, double| simd.convert_f64x4_to_f32x4(double),
+    each_point_of_rows![]
 );
 wide!(
     /// Eight strands in double precision: one register of 512 bits.
@@ -234,7 +251,8 @@ wide!(
     [max_f64s min_f64s select_f64s greater_than_f64s not_m64s],
     [splat_u64s sub_u64s shl_const_u64x8 shr_const_u64x8],
     |simd: V4, single| simd.convert_f32x8_to_f64x8(single),
-    |simd: V4, double| simd.convert_f64x8_to_f32x8(double)
+    |simd: V4, double| simd.convert_f64x8_to_f32x8(double),
+    each_point_of_rows![]
 );
 wide!(
     /// Eight strands in single precision: one register of 256 bits.
@@ -244,7 +262,7 @@ wide!(
     [splat_u32s sub_u32s shl_const_u32x8 shr_const_u32x8],
     |_, single: f32x8| single,
     |_, single: f32x8| single,
-    [0 4 1 5 2 6 3 7]
+    each_point![0 4 1 5 2 6 3 7]
 );
 wide!(
     /// Sixteen strands in single precision: one register of 512 bits.
@@ -254,5 +272,5 @@ wide!(
     [splat_u32s sub_u32s shl_const_u32x16 shr_const_u32x16],
     |_, single: f32x16| single,
     |_, single: f32x16| single,
-    [0 4 8 12 1 5 9 13 2 6 10 14 3 7 11 15]
+    each_point![0 4 8 12 1 5 9 13 2 6 10 14 3 7 11 15]
 );

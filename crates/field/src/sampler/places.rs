@@ -45,9 +45,15 @@ pub(super) trait Pairs: Copy {
 impl Pairs for &Voxels {
     #[inline(always)]
     fn pair(self, flat: u32) -> [f32; 8] {
-        let both = &self[flat as usize..flat as usize + 2];
-        both.as_flattened().try_into().expect("two voxels of four numbers")
+        pair_of(self, flat).as_flattened().try_into().expect("two voxels of four numbers")
     }
+}
+
+/// A voxel and the next along z.
+#[inline(always)]
+fn pair_of(voxels: &Voxels, flat: u32) -> &[[f32; 4]; 2] {
+    let both = &voxels[flat as usize..flat as usize + 2];
+    both.try_into().expect("two voxels")
 }
 
 impl Pairs for &Raw<'_> {
@@ -85,21 +91,14 @@ impl Places {
 
     /// Vectors between the eight voxels around each point, by components.
     #[inline(always)]
-    pub fn gather(&self, voxels: &Voxels) -> [[f32; 4]; WIDTH] {
-        let mut pairs = [[0.0; 8]; WIDTH];
-        for (k, pair) in pairs.iter_mut().enumerate() {
-            let around = self.around(voxels, k);
-            let shares = [self.shares[0][k], self.shares[1][k]];
-            for n in 0..8 {
-                pair[n] = among(around[0][n], around[1][n], around[2][n], around[3][n], shares);
-            }
-        }
-        self.along_z(&pairs)
+    pub fn gather(&self, voxels: &Voxels) -> [[f32; WIDTH]; 3] {
+        let (firsts, n) = self.first_in_each();
+        if n > FEW { self.point_by_point(voxels) } else { self.voxel_by_voxel(voxels, &firsts[..n]) }
     }
 
     /// [`Places::gather`] of two steps laid together, in the same order for each number.
     #[inline(always)]
-    pub fn gather_mixed<P: Pairs>(&self, before: P, after: P, share: f32) -> [[f32; 4]; WIDTH] {
+    pub fn gather_mixed<P: Pairs>(&self, before: P, after: P, share: f32) -> [[f32; WIDTH]; 3] {
         let mut pairs = [[0.0; 8]; WIDTH];
         for (k, pair) in pairs.iter_mut().enumerate() {
             let (a, b) = (self.around(before, k), self.around(after, k));
@@ -117,19 +116,93 @@ impl Places {
         self.along_z(&pairs)
     }
 
-    /// The points' numbers between those of two voxels along z. By itself: where both halves of a pair are made and taken
-    /// apart in one loop, the compiler makes vectors of halves only.
+    /// The first point behind each voxel that has some, and how many these are; if they are more than [`FEW`], not all.
     #[inline(always)]
-    fn along_z(&self, pairs: &[[f32; 8]; WIDTH]) -> [[f32; 4]; WIDTH] {
-        let mut found = [[0.0; 4]; WIDTH];
-        for (k, (found, pair)) in found.iter_mut().zip(pairs).enumerate() {
+    fn first_in_each(&self) -> ([usize; FEW], usize) {
+        let (mut firsts, mut n) = ([0; FEW], 0);
+        // A bit for each point that is behind none of those yet.
+        let mut left: u32 = (1 << WIDTH) - 1;
+        while left != 0 {
+            if n == FEW {
+                return (firsts, FEW + 1);
+            }
+            let first = left.trailing_zeros() as usize % WIDTH;
+            let low = self.low[first];
+            let mut others = 0;
+            for k in 0..WIDTH {
+                others |= u32::from(self.low[k] != low) << k;
+            }
+            left &= others;
+            firsts[n] = first;
+            n += 1;
+        }
+        (firsts, n)
+    }
+
+    /// Vectors of all points behind a voxel at once. `firsts`: a point behind each.
+    #[inline(always)]
+    fn voxel_by_voxel(&self, voxels: &Voxels, firsts: &[usize]) -> [[f32; WIDTH]; 3] {
+        let mut found = [[0.0; WIDTH]; 3];
+        for first in firsts {
+            let (low, step_x, step_y) = (self.low[*first], self.steps[0][*first], self.steps[1][*first]);
+            // Borrowed: what is copied in fours the processor must put together before it reads one of them.
+            let near = pair_of(voxels, low);
+            let next_y = pair_of(voxels, low + step_y);
+            let next_x = pair_of(voxels, low + step_x);
+            let next_xy = pair_of(voxels, low + step_x + step_y);
+            for axis in 0..3 {
+                let [a, b] =
+                    [0, 1].map(|z| [near[z][axis], next_y[z][axis], next_x[z][axis], next_xy[z][axis]]);
+                for (k, found) in found[axis].iter_mut().enumerate() {
+                    let shares = [self.shares[0][k], self.shares[1][k]];
+                    let between = mix(
+                        among(a[0], a[1], a[2], a[3], shares),
+                        among(b[0], b[1], b[2], b[3], shares),
+                        self.shares[2][k],
+                    );
+                    *found = if self.low[k] == low { between } else { *found };
+                }
+            }
+        }
+        found
+    }
+
+    /// The same vectors, to the bit, of one point after another.
+    #[inline(always)]
+    fn point_by_point(&self, voxels: &Voxels) -> [[f32; WIDTH]; 3] {
+        let mut pairs = [[0.0; 8]; WIDTH];
+        for (k, pair) in pairs.iter_mut().enumerate() {
+            let around = self.around(voxels, k);
+            let shares = [self.shares[0][k], self.shares[1][k]];
+            for n in 0..8 {
+                pair[n] = among(around[0][n], around[1][n], around[2][n], around[3][n], shares);
+            }
+        }
+        self.along_z(&pairs)
+    }
+
+    /// The points' numbers between those of two voxels along z, by components. By itself: where both halves of a pair are made
+    /// and taken apart in one loop, the compiler makes vectors of halves only.
+    #[inline(always)]
+    fn along_z(&self, pairs: &[[f32; 8]; WIDTH]) -> [[f32; WIDTH]; 3] {
+        let mut vectors = [[0.0; 4]; WIDTH];
+        for (k, (vector, pair)) in vectors.iter_mut().zip(pairs).enumerate() {
             for axis in 0..4 {
-                found[axis] = mix(pair[axis], pair[4 + axis], self.shares[2][k]);
+                vector[axis] = mix(pair[axis], pair[4 + axis], self.shares[2][k]);
+            }
+        }
+        let mut found = [[0.0; WIDTH]; 3];
+        for k in 0..WIDTH {
+            for axis in 0..3 {
+                found[axis][k] = vectors[k][axis];
             }
         }
         found
     }
 }
+
+/// Points behind so few voxels are looked up voxel by voxel: strands side by side in a dense hairstyle.
+const FEW: usize = 4;
 
 /// A number between those of four neighbors along x and y.
 #[inline(always)]
