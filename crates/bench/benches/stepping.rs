@@ -1,5 +1,5 @@
-//! How many strand-point steps a second the simulator makes, beside what only sampling the field at those points and
-//! only moving the strands' state through memory would cost.
+//! How many strand-point steps a second the simulator makes, beside what it would cost only to sample the field at those
+//! points, only to move the strands' state through memory, and only to write the points of all frames.
 //!
 //!     cargo bench -p tousle-bench --bench stepping
 //!
@@ -10,10 +10,13 @@
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use rayon::prelude::*;
+use std::iter::Sum;
+use std::ops::AddAssign;
 use std::sync::LazyLock;
 use tousle_bench::worlds::{gusts, mannequin, wig};
 use tousle_core::{Body, NoProgress};
-use tousle_field::{FieldSequence, Reading, SAMPLED_AT_ONCE, Sampler, Scene};
+use tousle_field::{FieldSequence, Moment, Reading, SAMPLED_AT_ONCE, Sampler, Scene};
+use tousle_lanes::{Lane, NullaryFnOnce, Registers, WithLanes};
 use tousle_sim::{Method, Precision, SimOptions, Simulator, TimeMode, simulate};
 
 fn main() {
@@ -32,8 +35,8 @@ const RUNS: [Run; 8] = [
     Run { strands: 1_000, steps: 300, threads: 2 },
     Run { strands: 10_000, steps: 60, threads: 1 },
     Run { strands: 10_000, steps: 60, threads: 2 },
-    Run { strands: 100_000, steps: 30, threads: 1 },
-    Run { strands: 100_000, steps: 30, threads: 2 },
+    Run { strands: 100_000, steps: 60, threads: 1 },
+    Run { strands: 100_000, steps: 60, threads: 2 },
 ];
 
 #[derive(Clone, Copy, Debug)]
@@ -144,36 +147,79 @@ fn only_sampling(bencher: Bencher<'_, '_>, run: Run) {
         for step in 0..run.steps {
             let moment = sampler.at(f64::from(step) / RATE_HZ % WIND.end_secs(), reading);
             points.par_chunks(64).zip(vectors.par_chunks_mut(64)).for_each(|(points, vectors)| {
-                for (points, vectors) in points.iter().zip(vectors) {
-                    *vectors = moment.sample_many(points);
-                }
+                let sample = Sample { moment: &moment, points, vectors };
+                Registers::widest().with_lanes(Precision::Single, sample);
             });
             black_box(&mut vectors);
         }
     });
 }
 
-/// What a point is made of in double precision: turn, place, velocity and bend now and a step ago.
-type State = [f64; 26];
+/// Points, sixteen in each, and what they find.
+struct Sample<'a, 'm> {
+    moment: &'a Moment<'m>,
+    points: &'a [[[f32; SAMPLED_AT_ONCE]; 3]],
+    vectors: &'a mut [[[f32; SAMPLED_AT_ONCE]; 3]],
+}
+
+impl WithLanes for Sample<'_, '_> {
+    type Output = ();
+
+    fn with<L: Lane>(self) {
+        L::dispatch(self);
+    }
+}
+
+impl NullaryFnOnce for Sample<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (points, vectors) in self.points.iter().zip(self.vectors) {
+            *vectors = self.moment.sample_many(points);
+        }
+    }
+}
+
+/// What a point is made of: turn, place, velocity and bend now and a step ago.
+const STATE: usize = 26;
 
 /// What a stick is made of and never changes.
-type Link = [f64; 10];
+const LINK: usize = 10;
 
 /// Every point's state and stick read, and the state written, in every step.
-#[divan::bench(args = RUNS, max_time = 3, min_time = 1)]
-fn only_memory(bencher: Bencher<'_, '_>, run: Run) {
+#[divan::bench(args = RUNS, types = [f64, f32], max_time = 3, min_time = 1)]
+fn only_memory<T>(bencher: Bencher<'_, '_>, run: Run)
+where
+    T: Copy + Send + Sync + From<f32> + Sum + AddAssign,
+{
     let n = run.strands * N_POINTS;
-    let links: Vec<Link> = vec![[1e-9; 10]; n];
-    let mut states: Vec<State> = vec![[1.0; 26]; n];
+    let links: Vec<[T; LINK]> = vec![[1e-9.into(); LINK]; n];
+    let mut states: Vec<[T; STATE]> = vec![[1.0.into(); STATE]; n];
     run.measure(bencher, run.steps, || {
         for _ in 0..run.steps {
             states.par_chunks_mut(1024).zip(links.par_chunks(1024)).for_each(|(states, links)| {
                 for (state, link) in states.iter_mut().zip(links) {
-                    let sum: f64 = link.iter().sum();
+                    let sum: T = link.iter().copied().sum();
                     state.iter_mut().for_each(|number| *number += sum);
                 }
             });
         }
         black_box(&mut states);
+    });
+}
+
+/// The points of every frame written, into memory that nobody has used yet.
+#[divan::bench(args = RUNS, max_time = 3, min_time = 1)]
+fn only_frames(bencher: Bencher<'_, '_>, run: Run) {
+    let n = run.strands * N_POINTS;
+    let points: Vec<[f32; 3]> = vec![[0.5; 3]; n];
+    run.measure(bencher, run.steps, || {
+        let mut frames = vec![[0.0; 3]; n * run.steps as usize];
+        for frame in frames.chunks_exact_mut(n) {
+            let chunks = frame.par_chunks_mut(4096).zip(points.par_chunks(4096));
+            chunks.for_each(|(frame, points)| frame.copy_from_slice(points));
+        }
+        black_box(frames);
     });
 }

@@ -1,5 +1,6 @@
 //! What a run hands out: frames of single-precision positions, and what they say of stretch.
 
+use core::ops::Range;
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 use tousle_core::{Groom, StrandMotion, Vec3};
@@ -10,36 +11,119 @@ pub(crate) fn single(point: Vec3) -> [f32; 3] {
     point.map(|c| c as f32).into()
 }
 
-/// Where the points of strands side by side go, strand after strand: of each as many as it has sticks.
-pub(crate) struct Places<'a> {
-    /// Where each strand's points begin, and how many it has; none in lanes that are not read.
-    strands: [(usize, usize); MOST_LANES],
-    points: &'a mut [[f32; 3]],
+/// Where a strand puts its points in a frame, root first; `None` for what is not read.
+pub(crate) type Room<'a> = Option<&'a mut [[f32; 3]]>;
+
+/// Room for what a batch shows in some frames, as many rooms a frame as there are lanes.
+pub(crate) struct Rooms<'r, 'a> {
+    /// Frames that pass before the first that is wanted.
+    pub skipped: usize,
+    pub n_lanes: usize,
+    pub rooms: &'r mut [Room<'a>],
 }
 
-impl<'a> Places<'a> {
-    /// Places in as many points as the strands have sticks.
-    pub fn new(n_sticks: &[usize], points: &'a mut [[f32; 3]]) -> Self {
-        let mut strands = [(0, 0); MOST_LANES];
-        let mut first = 0;
-        for (strand, n) in strands.iter_mut().zip(n_sticks) {
-            *strand = (first, *n);
-            first += n;
+impl<'a> Rooms<'_, 'a> {
+    /// Of the `k`-th frame that passes, if it is wanted.
+    pub fn of_frame(&mut self, k: usize) -> Option<&mut [Room<'a>]> {
+        let first = k.checked_sub(self.skipped)? * self.n_lanes;
+        self.rooms.get_mut(first..first + self.n_lanes)
+    }
+}
+
+/// The numbers of a batch's rooms, one room a lane; none for what is not read.
+pub(crate) fn numbers<'r>(rooms: &'r mut [Room<'_>]) -> [&'r mut [f32]; MOST_LANES] {
+    let mut rooms = rooms.iter_mut();
+    core::array::from_fn(|_| match rooms.next() {
+        Some(Some(room)) => room.as_flattened_mut(),
+        _ => &mut [],
+    })
+}
+
+/// Puts the `k`-th points of strands side by side into the [`numbers`] of their rooms.
+#[inline(always)]
+pub(crate) fn put_points<L: Lane>(rooms: &mut [&mut [f32]; MOST_LANES], k: usize, points: Vector<L>) {
+    L::each_point([points.x, points.y, points.z], |lane, point| {
+        let room = &mut rooms[lane];
+        // Four are written at once: where the next point's x will be there is no harm in it.
+        if let Some(place) = room.get_mut(3 * k..3 * k + 4) {
+            place.copy_from_slice(&point);
+        } else if let Some([x, y, z]) = room.get_mut(3 * k..3 * k + 3) {
+            [*x, *y, *z] = [point[0], point[1], point[2]];
         }
-        Self { strands, points }
+    });
+}
+
+/// What frames say of the strands of a batch: by how much sticks are longer or shorter than they are, and whether all points
+/// are somewhere.
+#[derive(Clone, Debug)]
+pub(crate) struct Lengths<L> {
+    /// One over every stick's squared length, 1/m²; NaN, of which nobody hears, where a strand has none.
+    per_rest2: Vec<L>,
+    heard: Heard<L>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Heard<L> {
+    /// The least and the most that a squared length was of what it is.
+    least: L,
+    most: L,
+    /// 0, and NaN once a point of a strand is nowhere.
+    nowhere: L,
+}
+
+impl<L: Lane> Lengths<L> {
+    /// Of strands whose sticks are so long, m, one a lane, before their first frame.
+    pub fn new(lengths_m: &[&[f64]]) -> Self {
+        let n_sticks = lengths_m.iter().map(|lengths| lengths.len()).max().unwrap_or(0);
+        let per_rest2 = |lane: usize, stick: usize| {
+            let lengths = lengths_m[lane.min(lengths_m.len() - 1)];
+            lengths.get(stick).map_or(f64::NAN, |length| 1.0 / (length * length))
+        };
+        Self {
+            per_rest2: (0..n_sticks).map(|stick| L::from_fn(|lane| per_rest2(lane, stick))).collect(),
+            heard: Heard { least: L::one(), most: L::one(), nowhere: L::zero() },
+        }
     }
 
-    /// Puts the far ends of a stick of every strand that has it.
+    /// Hears of a frame's points as it holds them, from the root.
     #[inline(always)]
-    pub fn put<L: Lane>(&mut self, stick: usize, ends: Vector<L>) {
-        let mut rows = [[0.0; MOST_LANES]; 3];
-        ends.put_single(&mut rows, 0);
-        for (lane, (first, n)) in self.strands[..L::N].iter().enumerate() {
-            if stick < *n {
-                // Written out: `map` would be a call for each point.
-                self.points[first + stick] = [rows[0][lane], rows[1][lane], rows[2][lane]];
-            }
-        }
+    pub fn listen(&mut self) -> Listener<'_, L> {
+        Listener { heard: self.heard, lengths: self }
+    }
+
+    /// Whether all points were somewhere.
+    pub fn are_whole(&self) -> bool {
+        self.heard.nowhere.largest() == 0.0
+    }
+
+    /// The largest change of any stick's length, as a share of it.
+    pub fn max_stretch(&self) -> f64 {
+        let Heard { least, most, .. } = self.heard;
+        f64::max(1.0 - (-(-least).largest()).sqrt(), most.largest().sqrt() - 1.0)
+    }
+}
+
+/// One who hears of a frame for some [`Lengths`].
+pub(crate) struct Listener<'a, L> {
+    lengths: &'a mut Lengths<L>,
+    heard: Heard<L>,
+}
+
+impl<L: Lane> Listener<'_, L> {
+    /// Hears of the ends of a stick.
+    #[inline(always)]
+    pub fn hear(&mut self, stick: usize, (from, to): (Vector<L>, Vector<L>)) {
+        let Heard { least, most, nowhere } = &mut self.heard;
+        let share = (to - from).norm_squared() * self.lengths.per_rest2[stick];
+        *least = share.min(*least);
+        *most = share.max(*most);
+        *nowhere = (to.x + to.y + to.z).mul_add(least.same(0.0), *nowhere);
+    }
+
+    /// The frame is over.
+    #[inline(always)]
+    pub fn end(self) {
+        self.lengths.heard = self.heard;
     }
 }
 
@@ -111,27 +195,39 @@ impl NullaryFnOnce for Shares<'_> {
 pub(crate) struct Frames {
     pub positions_m: Vec<[f32; 3]>,
     n_points: usize,
-    /// For each strand of the groom: where its first point is within a frame, and how many it has.
+    /// How many points each strand has, in the order in which they lie in a frame.
+    counts: Vec<usize>,
+    /// For each strand of the groom: which of these it is, and where its first point is within a frame.
     places: Vec<(usize, usize)>,
-    /// The first point of each strand of the groom.
-    roots_m: Vec<[f32; 3]>,
+}
+
+/// Where the strands of batches are.
+pub(crate) struct Seats {
+    n_lanes: usize,
+    n_batches: usize,
+    /// For each strand of some [`Frames`], in their order: its batch and its lane.
+    seats: Vec<(usize, usize)>,
 }
 
 impl Frames {
-    /// Frames of some of a groom's strands, in this order: the first as they hang at rest, the others to be filled.
+    /// Frames of some of a groom's strands, in this order: the first as they hang at rest, the others to be filled. A strand
+    /// that comes several times does so in succession.
     pub fn new(groom: &Groom, strands: &[usize], n_frames: usize) -> Self {
         let mut places = vec![(0, 0); groom.strands.len()];
         let mut rest: Vec<[f32; 3]> = Vec::new();
+        for (k, s) in strands.iter().enumerate().rev() {
+            places[*s].0 = k;
+        }
         for s in strands {
             let curve = &groom.strands[*s].rest_curve_m;
-            places[*s] = (rest.len(), curve.len());
+            places[*s].1 = rest.len();
             rest.extend(curve.iter().copied().map(single));
         }
         // Zeros cost nothing until they are written over.
         let mut positions_m = vec![[0.0; 3]; rest.len() * n_frames];
         positions_m[..rest.len()].copy_from_slice(&rest);
-        let roots_m = groom.strands.iter().map(|strand| single(strand.rest_curve_m[0])).collect();
-        Self { positions_m, n_points: rest.len(), places, roots_m }
+        let counts = strands.iter().map(|s| groom.strands[*s].rest_curve_m.len()).collect();
+        Self { positions_m, n_points: rest.len(), counts, places }
     }
 
     /// Frames of all of a groom's strands, filled already.
@@ -140,22 +236,42 @@ impl Frames {
         Self { positions_m, ..Self::new(groom, &all, 1) }
     }
 
-    /// Puts the points of some strands, roots left out, into a frame.
-    pub fn put(&mut self, frame: usize, strands: &[usize], points: &[[f32; 3]]) {
-        let mut points = points;
-        for s in strands {
-            let (first, n) = self.places[*s];
-            let (own, others) = points.split_at(n - 1);
-            let at = frame * self.n_points + first;
-            self.positions_m[at] = self.roots_m[*s];
-            self.positions_m[at + 1..at + n].copy_from_slice(own);
-            points = others;
+    /// Where the frames' strands are in some batches of them, each given by its strands' indices; all but the last are full.
+    pub fn seats(&self, batches: &[Vec<usize>]) -> Seats {
+        let mut next: Vec<usize> = self.places.iter().map(|place| place.0).collect();
+        let mut seats = vec![(0, 0); self.counts.len()];
+        for (batch, strands) in batches.iter().enumerate() {
+            for (lane, strand) in strands.iter().enumerate() {
+                seats[next[*strand]] = (batch, lane);
+                next[*strand] += 1;
+            }
         }
+        Seats { n_lanes: batches.first().map_or(1, Vec::len), n_batches: batches.len(), seats }
+    }
+
+    /// Rooms of some frames: batch after batch, of each frame after frame.
+    pub fn rooms(&mut self, frames: Range<usize>, seats: &Seats) -> Vec<Room<'_>> {
+        let (n_frames, n_lanes) = (frames.len(), seats.n_lanes);
+        let mut rooms: Vec<Room<'_>> = Vec::new();
+        rooms.resize_with(seats.n_batches * n_frames * n_lanes, || None);
+        let wanted = &mut self.positions_m[frames.start * self.n_points..frames.end * self.n_points];
+        for (k, mut frame) in wanted.chunks_exact_mut(self.n_points.max(1)).enumerate() {
+            for (n, (batch, lane)) in self.counts.iter().zip(&seats.seats) {
+                let (own, others) = frame.split_at_mut(*n);
+                rooms[(batch * n_frames + k) * n_lanes + lane] = Some(own);
+                frame = others;
+            }
+        }
+        rooms
     }
 
     /// Puts all frames of some strands, roots included. `None` if these are not as many points as the strands have.
     pub fn put_all(&mut self, strands: &[usize], points: &[[f32; 3]]) -> Option<()> {
-        let n_points: usize = strands.iter().map(|s| self.places[*s].1).sum();
+        let place = |strand: usize| {
+            let (k, first) = self.places[strand];
+            (first, self.counts[k])
+        };
+        let n_points: usize = strands.iter().map(|s| place(*s).1).sum();
         let n_frames = self.positions_m.len() / self.n_points;
         if points.len() != n_frames * n_points {
             return None;
@@ -163,7 +279,7 @@ impl Frames {
         for (frame, points) in points.chunks_exact(n_points).enumerate() {
             let mut points = points;
             for s in strands {
-                let (first, n) = self.places[*s];
+                let (first, n) = place(*s);
                 let (own, others) = points.split_at(n);
                 let at = frame * self.n_points + first;
                 self.positions_m[at..at + n].copy_from_slice(own);
@@ -171,5 +287,19 @@ impl Frames {
             }
         }
         Some(())
+    }
+
+    /// The frames of each strand by itself.
+    pub fn apart(&self) -> Vec<Vec<[f32; 3]>> {
+        let mut apart = vec![Vec::new(); self.counts.len()];
+        for frame in self.positions_m.chunks_exact(self.n_points.max(1)) {
+            let mut points = frame;
+            for (n, strand) in self.counts.iter().zip(&mut apart) {
+                let (own, others) = points.split_at(*n);
+                strand.extend_from_slice(own);
+                points = others;
+            }
+        }
+        apart
     }
 }

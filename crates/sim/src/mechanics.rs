@@ -86,7 +86,11 @@ pub(crate) trait Mechanics: Copy + Debug + Send + Sync + 'static {
         world: &Self::World<'_>,
     );
 
-    /// Shows the far end of every stick and its number, from the root, head space, m.
+    /// Where the strands grow, head space, m.
+    fn root_m<L: Lane>(batch: &Self::Batch<L>) -> Vector<L>;
+
+    /// Shows the far end of every stick and its number, from the root, head space, m. Shows at one place alone, so that what is
+    /// shown to becomes a part of it.
     fn show_ends_m<L: Lane>(batch: &Self::Batch<L>, show: impl FnMut(usize, Vector<L>));
 
     /// Where the strands have asked the field since this was set to a box around nothing; nothing is kept of it while it is

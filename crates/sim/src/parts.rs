@@ -48,6 +48,8 @@ pub struct Count {
     pub unsettled: u64,
     /// The farthest that a point still moved when such a step ended, m.
     pub unsettled_m: f64,
+    /// The largest change of any stick's length in any frame, as a share of it.
+    pub max_stretch: f64,
 }
 
 /// Steps of one stick that a part has unless its keeper says otherwise: some ten seconds of one core.
@@ -128,6 +130,7 @@ impl Count {
             slept: self.slept + other.slept,
             unsettled: self.unsettled + other.unsettled,
             unsettled_m: f64::max(self.unsettled_m, other.unsettled_m),
+            max_stretch: f64::max(self.max_stretch, other.max_stretch),
         }
     }
 }

@@ -1,12 +1,12 @@
 //! What is prepared before the first step, and what is said after the last.
 
 use crate::assumptions::assumptions;
-use crate::frames::{Frames, max_stretch, single};
+use crate::frames::Frames;
 use crate::mechanics::{Mechanics, Setting};
 use crate::parts::{Count, Part, run_parts};
 use crate::plan::plan;
 use crate::prepared::{Prepared, order};
-use crate::run::{Abreast, PutFrame, Run, SideBySide};
+use crate::run::{Abreast, Run, SideBySide};
 use crate::stability;
 use crate::timeline::{Runs, Timeline};
 use crate::touchable::{n_reaching, within_reach};
@@ -149,7 +149,7 @@ impl<'a, M: Mechanics> Ready<'a, M> {
         Ok(Run { timeline, sampler: self.sampler.with_layers(layers), reading, mechanics, limit })
     }
 
-    fn report(&self, run: &Run<'_, M>, motion: &StrandMotion, count: Count) -> SimReport {
+    fn report(&self, run: &Run<'_, M>, count: Count) -> SimReport {
         let Setting { scene, groom, options, .. } = self.setting;
         let Run { timeline, limit, .. } = run;
         let integrator = options.integrator();
@@ -168,21 +168,16 @@ impl<'a, M: Mechanics> Ready<'a, M> {
             unsettled_steps: count.unsettled,
             unsettled_m: count.unsettled_m,
             plan: plan(&run.sampler, scene, timeline, &n_reaching),
-            max_stretch: max_stretch(motion),
+            max_stretch: count.max_stretch,
             assumed,
         }
     }
 
-    /// Refuses a motion of some strands of which a point is nowhere.
-    fn check_whole(
-        &self,
-        run: &Run<'_, M>,
-        strands: &[usize],
-        positions_m: &[[f32; 3]],
-    ) -> Result<(), SimError> {
+    /// What to say of a motion of some strands of which a point is nowhere.
+    fn is_nowhere(&self, run: &Run<'_, M>, strands: &[usize], positions_m: &[[f32; 3]]) -> SimError {
         let Setting { groom, options, .. } = self.setting;
         let is_nowhere = |point: &[f32; 3]| point.iter().any(|c| !c.is_finite());
-        let Some(at) = positions_m.iter().position(is_nowhere) else { return Ok(()) };
+        let at = positions_m.iter().position(is_nowhere).expect("a point that is nowhere");
         let n_points = |strand: usize| groom.strands[strand].rest_curve_m.len();
         let per_frame: usize = strands.iter().map(|s| n_points(*s)).sum();
         let (mut point, mut place) = (at % per_frame, 0);
@@ -193,21 +188,30 @@ impl<'a, M: Mechanics> Ready<'a, M> {
         let strand = groom.strands[strands[place]].name.clone();
         let integrator = options.integrator().name();
         let secs = run.timeline.frame_secs(at / per_frame);
-        Err(match run.limit {
+        match run.limit {
             Some(_) => SimError::BlewUp { integrator, strand, secs, dt_secs: run.timeline.dt_secs() },
             None => SimError::Nowhere { integrator, strand, secs },
-        })
+        }
     }
 
     fn at_rest(&self, run: &Run<'_, M>, strands: &[usize]) -> Box<dyn Abreast<M>> {
         (self.side_by_side.at_rest)(&run.mechanics, &self.strands, &order(&self.strands, strands))
     }
 
-    /// Some strands from the first frame to the last.
-    fn move_strands(&self, run: &Run<'_, M>, strands: &[usize], progress: &dyn Progress) -> Part {
+    /// Some strands from the first frame to the last, none of which may come to be nowhere.
+    fn move_whole(
+        &self,
+        run: &Run<'_, M>,
+        strands: &[usize],
+        progress: &dyn Progress,
+    ) -> Result<Part, SimError> {
         let mut moving = self.at_rest(run, strands);
         let positions_m = self.move_all(run, strands, moving.as_mut(), progress);
-        Part { positions_m, count: moving.count() }
+        if moving.are_whole() {
+            Ok(Part { positions_m, count: moving.count() })
+        } else {
+            Err(self.is_nowhere(run, strands, &positions_m))
+        }
     }
 
     /// Some strands that are at rest from the first frame to the last.
@@ -220,9 +224,7 @@ impl<'a, M: Mechanics> Ready<'a, M> {
     ) -> Vec<[f32; 3]> {
         let last = run.timeline.n_frames - 1;
         let mut frames = Frames::new(self.setting.groom, strands, last + 1);
-        run.advance(moving, (0, last), progress, &mut |frame, strands, points| {
-            frames.put(frame, strands, points);
-        });
+        run.advance(moving, (0, last), progress, Some((&mut frames, 0)));
         frames.positions_m
     }
 }
@@ -246,12 +248,11 @@ impl<M: Mechanics> Resident for Ready<'_, M> {
         let spans = (run.timeline.n_frames, run.timeline.n_steps());
         let order = order(&self.strands, &all);
         let moved = run_parts(groom, &order, spans, keeper, progress, |strands, progress| {
-            let part = self.move_strands(&run, strands, progress);
-            self.check_whole(&run, strands, &part.positions_m).map(|()| part)
+            self.move_whole(&run, strands, progress)
         })?;
         let (counts, times_secs) = (groom.counts(), self.times_secs());
         let motion = StrandMotion { counts, times_secs, positions_m: moved.positions_m };
-        let report = self.report(&run, &motion, moved.count);
+        let report = self.report(&run, moved.count);
         Ok(Simulation { motion, report })
     }
 
@@ -268,7 +269,8 @@ impl<M: Mechanics> Resident for Ready<'_, M> {
 
     fn run_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<Vec<[f32; 3]>, SimError> {
         let run = self.under(layers, Runs::Again)?;
-        Ok(self.move_strands(&run, strands, &NoProgress).positions_m)
+        let mut moving = self.at_rest(&run, strands);
+        Ok(self.move_all(&run, strands, moving.as_mut(), &NoProgress))
     }
 
     fn trace(
@@ -303,7 +305,7 @@ impl<M: Mechanics> Resident for Ready<'_, M> {
         // An explicit integrator's steps are as long as all layers allow: it begins anew under others.
         let frame = if self.setting.options.integrator().is_limited() { 0 } else { frame };
         let mut strands = self.at_rest(&run, strands);
-        run.advance(strands.as_mut(), (0, frame), &NoProgress, &mut |_, _, _| ());
+        run.advance(strands.as_mut(), (0, frame), &NoProgress, None);
         Ok(Arc::new(Stopped { frame, strands }))
     }
 
@@ -314,7 +316,7 @@ impl<M: Mechanics> Resident for Ready<'_, M> {
         let stopped = Stopped::<M>::of(held);
         let run = self.under(layers, Runs::Again)?;
         let mut strands = stopped.strands.fork();
-        run.advance(strands.as_mut(), (stopped.frame, frame), &NoProgress, &mut |_, _, _| ());
+        run.advance(strands.as_mut(), (stopped.frame, frame), &NoProgress, None);
         Ok(Arc::new(Stopped { frame, strands }))
     }
 
@@ -333,9 +335,7 @@ impl<M: Mechanics> Resident for Ready<'_, M> {
         let stopped = Stopped::<M>::of(held);
         let run = self.under(layers, Runs::Again)?;
         let mut frames = Frames::new(self.setting.groom, strands, last - first + 1);
-        stopped.go_on(&run, stopped.strands.fork(), (first, last), &mut |frame, strands, points| {
-            frames.put(frame, strands, points);
-        });
+        stopped.go_on(&run, stopped.strands.fork(), (first, last), &mut frames);
         Ok(frames.positions_m)
     }
 
@@ -348,7 +348,6 @@ impl<M: Mechanics> Resident for Ready<'_, M> {
         frames: (usize, usize),
     ) -> Result<Vec<Vec<[f32; 3]>>, SimError> {
         let stopped = Stopped::<M>::of(held);
-        let root = single(self.setting.groom.strands[strand].rest_curve_m[0]);
         let n_at_once = self.n_at_once();
         let some: Vec<_> = variants
             .par_chunks(n_at_once)
@@ -359,16 +358,10 @@ impl<M: Mechanics> Resident for Ready<'_, M> {
                 let sampler = self.sampler.with_variants(layers, &each);
                 let run = Run { sampler, ..self.under(&all, Runs::Again)? };
                 let strands = stopped.strands.variants(variants.len());
-                let mut moved = vec![Vec::new(); variants.len()];
-                stopped.go_on(&run, strands, frames, &mut |_, _, points| {
-                    for (moved, points) in
-                        moved.iter_mut().zip(points.chunks_exact(points.len() / variants.len()))
-                    {
-                        moved.push(root);
-                        moved.extend_from_slice(points);
-                    }
-                });
-                Ok(moved)
+                let each = vec![strand; variants.len()];
+                let mut moved = Frames::new(self.setting.groom, &each, frames.1 - frames.0 + 1);
+                stopped.go_on(&run, strands, frames, &mut moved);
+                Ok(moved.apart())
             })
             .collect::<Result<_, SimError>>()?;
         Ok(some.concat())
@@ -380,21 +373,18 @@ impl<M: Mechanics> Stopped<M> {
         held.downcast_ref().expect("strands held by a simulator of this method")
     }
 
-    /// What was stopped, or variants of it, on to the last of some frames. `put` gets these, counted from the first.
+    /// What was stopped, or variants of it, on to the last of some frames.
     fn go_on(
         &self,
         run: &Run<'_, M>,
         mut strands: Box<dyn Abreast<M>>,
         (first, last): (usize, usize),
-        put: &mut PutFrame<'_>,
+        frames: &mut Frames,
     ) {
         if self.frame == first {
-            strands.indices().iter().zip(strands.points()).for_each(|(some, points)| put(0, some, &points));
+            let seats = frames.seats(&strands.indices());
+            strands.show(&mut frames.rooms(0..1, &seats));
         }
-        run.advance(strands.as_mut(), (self.frame, last), &NoProgress, &mut |frame, strands, points| {
-            if frame >= first {
-                put(frame - first, strands, points);
-            }
-        });
+        run.advance(strands.as_mut(), (self.frame, last), &NoProgress, Some((frames, first)));
     }
 }

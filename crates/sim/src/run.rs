@@ -2,7 +2,7 @@
 
 use crate::Precision;
 use crate::extent::{Extent, Region};
-use crate::frames::Places;
+use crate::frames::{Frames, Lengths, Room, Rooms, numbers, put_points};
 use crate::mechanics::Mechanics;
 use crate::parts::Count;
 use crate::prepared::Prepared;
@@ -18,8 +18,8 @@ use tousle_core::Progress;
 use tousle_field::{Reading, Sampler};
 use tousle_lanes::{Lane, Registers, WithLanes};
 
-/// Gets a frame, the strands of a batch, and their points in it without the roots, strand after strand.
-pub(crate) type PutFrame<'a> = dyn FnMut(usize, &[usize], &[[f32; 3]]) + Send + 'a;
+/// Where frames are put, and the number of the first that is.
+pub(crate) type Wanted<'a> = Option<(&'a mut Frames, usize)>;
 
 /// A run under some layers: what the world does, and by which mechanics strands move in it.
 pub(crate) struct Run<'a, M> {
@@ -34,10 +34,11 @@ pub(crate) struct Run<'a, M> {
 /// Strands side by side, one a lane.
 #[derive(Clone, Debug)]
 struct Lanes<M: Mechanics, L: Lane> {
-    /// Index of the strand in each lane that is read, and how many sticks it has.
+    /// Index of the strand in each lane that is read.
     strands: Vec<usize>,
-    n_sticks: Vec<usize>,
     batch: M::Batch<L>,
+    /// What the frames say that it has shown.
+    lengths: Lengths<L>,
     /// Where the strands asked the field, block after block, and of each strand after strand; empty if nobody wants to know.
     asked: Vec<Region>,
 }
@@ -48,48 +49,36 @@ const BLOCK_OF_FEW: usize = 32;
 const BLOCK_OF_MANY: usize = 3;
 
 impl<M: Mechanics> Run<'_, M> {
-    /// Moves strands from a frame to another, a block of steps at a time. `put` gets the frames of a block while the next one
-    /// is stepped, so that one thread alone is at it while others do not wait.
+    /// Moves strands from a frame to another, a block of steps at a time, and puts what is wanted of the frames between.
     pub fn advance(
         &self,
         strands: &mut dyn Abreast<M>,
         (first, last): (usize, usize),
         progress: &dyn Progress,
-        put: &mut PutFrame<'_>,
+        mut wanted: Wanted<'_>,
     ) {
         let per_frame = self.timeline.steps_per_frame;
         let indices = strands.indices();
-        let n_points = strands.n_points();
         let n_strands: usize = indices.iter().map(Vec::len).sum();
-        // What each batch moves through in a block, and what it moved through in the one before. Kept from block to block:
-        // memory that is new each time costs more.
-        let mut moving: Vec<Vec<[f32; 3]>> = vec![Vec::new(); indices.len()];
-        let mut moved = moving.clone();
-        let mut hand_out = |moved: &[Vec<[f32; 3]>], begin: usize| {
-            for ((indices, n_points), points) in indices.iter().zip(&n_points).zip(moved) {
-                for (k, points) in points.chunks_exact(*n_points).enumerate() {
-                    put(begin / per_frame + 1 + k, indices, points);
-                }
-            }
-        };
+        let seats = wanted.as_ref().map(|(frames, _)| frames.seats(&indices));
         let (done, total) = (AtomicU64::new(0), (n_strands * (last - first) * per_frame) as u64);
-        let mut before = first * per_frame;
         for steps in self.blocks((first, last)) {
-            let begin = steps.start;
             let world = |step| self.mechanics.world(&self.timeline, &self.sampler, self.reading, step);
             let worlds: Vec<M::World<'_>> = steps.clone().into_par_iter().map(world).collect();
-            let block = Block { mechanics: &self.mechanics, begin, worlds: &worlds, per_frame };
-            let step = || {
-                strands.take_steps(&block, &mut moving, &|n_strands| {
-                    let n = (n_strands * worlds.len()) as u64;
-                    progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
-                });
+            let block = Block { mechanics: &self.mechanics, begin: steps.start, worlds: &worlds, per_frame };
+            let (next, end) = (steps.start / per_frame + 1, steps.end / per_frame + 1);
+            let (mut rooms, skipped) = match (&mut wanted, &seats) {
+                (Some((frames, from)), Some(seats)) if *from < end => {
+                    let begin = usize::max(next, *from);
+                    (frames.rooms(begin - *from..end - *from, seats), begin - next)
+                }
+                _ => (Vec::new(), 0),
             };
-            rayon::join(step, || hand_out(&moved, before));
-            core::mem::swap(&mut moving, &mut moved);
-            before = begin;
+            strands.take_steps(&block, (&mut rooms, skipped), &|n_strands| {
+                let n = (n_strands * worlds.len()) as u64;
+                progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
+            });
         }
-        hand_out(&moved, before);
     }
 
     /// The steps from a frame to another, block by block.
@@ -116,20 +105,20 @@ pub(crate) trait Abreast<M: Mechanics>: Debug + Send + Sync {
     /// Index of every strand, batch after batch.
     fn indices(&self) -> Vec<Vec<usize>>;
 
-    /// How many points each batch has, roots left out.
-    fn n_points(&self) -> Vec<usize>;
-
-    /// All batches through a block of steps. `points`: what becomes of each the points, roots left out, in every frame that
-    /// these complete, strand after strand. `passed` hears of how many strands are through.
+    /// All batches through a block of steps. Into the rooms, batch after batch, go the points of the frames that these
+    /// complete, but for those that are skipped at first. `passed` hears of how many strands are through.
     fn take_steps(
         &mut self,
         block: &Block<'_, '_, M>,
-        points: &mut [Vec<[f32; 3]>],
+        rooms: (&mut [Room<'_>], usize),
         passed: &(dyn Fn(usize) + Sync),
     );
 
-    /// The points of each batch, roots left out, strand after strand.
-    fn points(&self) -> Vec<Vec<[f32; 3]>>;
+    /// Shows where the strands are, as the one frame of some rooms.
+    fn show(&mut self, rooms: &mut [Room<'_>]);
+
+    /// Whether every point that was shown was somewhere.
+    fn are_whole(&self) -> bool;
 
     /// From now on where the strands ask the field is kept, block of steps by block of steps.
     fn keep_asked(&mut self);
@@ -187,29 +176,29 @@ impl<M: Mechanics, L: Lane> Abreast<M> for Vec<Lanes<M, L>> {
         self.iter().map(|lanes| lanes.strands.clone()).collect()
     }
 
-    fn n_points(&self) -> Vec<usize> {
-        self.iter().map(Lanes::n_points).collect()
-    }
-
     fn take_steps(
         &mut self,
         block: &Block<'_, '_, M>,
-        points: &mut [Vec<[f32; 3]>],
+        (rooms, skipped): (&mut [Room<'_>], usize),
         passed: &(dyn Fn(usize) + Sync),
     ) {
-        self.par_iter_mut().zip(points).for_each_init(Vec::new, |work, (lanes, points)| {
-            lanes.take_steps(block, work, points);
+        let n_lanes = self.first().map_or(1, |lanes| lanes.strands.len());
+        let mut each = rooms.chunks_mut(usize::max(rooms.len() / self.len().max(1), 1));
+        let rooms: Vec<_> =
+            self.iter().map(|_| Rooms { skipped, n_lanes, rooms: each.next().unwrap_or_default() }).collect();
+        self.par_iter_mut().zip(rooms).for_each_init(Vec::new, |work, (lanes, mut rooms)| {
+            lanes.take_steps(block, work, &mut rooms);
             passed(lanes.strands.len());
         });
     }
 
-    fn points(&self) -> Vec<Vec<[f32; 3]>> {
-        let of = |lanes: &Lanes<M, L>| {
-            let mut points = vec![[0.0; 3]; lanes.n_points()];
-            lanes.put_points(&mut points);
-            points
-        };
-        self.iter().map(of).collect()
+    fn show(&mut self, rooms: &mut [Room<'_>]) {
+        let n_lanes = self.first().map_or(1, |lanes| lanes.strands.len());
+        self.iter_mut().zip(rooms.chunks_mut(n_lanes)).for_each(|(lanes, rooms)| lanes.show(rooms));
+    }
+
+    fn are_whole(&self) -> bool {
+        self.iter().all(|lanes| lanes.lengths.are_whole())
     }
 
     fn keep_asked(&mut self) {
@@ -229,15 +218,19 @@ impl<M: Mechanics, L: Lane> Abreast<M> for Vec<Lanes<M, L>> {
     }
 
     fn count(&self) -> Count {
-        self.iter().fold(Count::default(), |sum, lanes| sum.and(M::count(&lanes.batch)))
+        let of = |lanes: &Lanes<M, L>| Count {
+            max_stretch: lanes.lengths.max_stretch(),
+            ..M::count(&lanes.batch)
+        };
+        self.iter().fold(Count::default(), |sum, lanes| sum.and(of(lanes)))
     }
 
     fn variants(&self, n: usize) -> Box<dyn Abreast<M>> {
-        let Lanes { strands, n_sticks, batch, .. } = &self[0];
+        let Lanes { strands, batch, lengths, .. } = &self[0];
         let lanes = Lanes {
             strands: vec![strands[0]; n],
-            n_sticks: vec![n_sticks[0]; n],
             batch: batch.clone(),
+            lengths: lengths.clone(),
             asked: Vec::new(),
         };
         Box::new(vec![lanes])
@@ -252,26 +245,31 @@ impl<M: Mechanics, L: Lane> Lanes<M, L> {
     /// Up to as many strands as there are lanes, before their first step.
     fn at_rest(mechanics: &M, prepared: &[Prepared<M::Shape>], strands: &[usize]) -> Self {
         let prepared: Vec<_> = strands.iter().map(|s| &prepared[*s]).collect();
-        let n_sticks = prepared.iter().map(|p| p.lock.n_sticks()).collect();
-        Self { strands: strands.to_vec(), n_sticks, batch: mechanics.batch(&prepared), asked: Vec::new() }
+        let lengths_m: Vec<_> = prepared.iter().map(|p| &p.lock.lengths_m[..]).collect();
+        Self {
+            strands: strands.to_vec(),
+            batch: mechanics.batch(&prepared),
+            lengths: Lengths::new(&lengths_m),
+            asked: Vec::new(),
+        }
     }
 
-    /// Through a block of steps. `points`: what becomes the points, roots left out, in every frame that these complete.
+    /// Through a block of steps, and into rooms what they show.
     fn take_steps(
         &mut self,
         block: &Block<'_, '_, M>,
         work: &mut Vec<M::Work<L>>,
-        points: &mut Vec<[f32; 3]>,
+        rooms: &mut Rooms<'_, '_>,
     ) {
         let Block { mechanics, begin, worlds, per_frame } = block;
-        let (n_points, steps) = (self.n_points(), *begin..begin + worlds.len());
-        // In the first block alone it grows.
-        points.resize((steps.end / per_frame - steps.start / per_frame) * n_points, [0.0; 3]);
-        let mut frames = points.chunks_exact_mut(n_points);
+        let mut n_frames = 0;
         for (k, world) in worlds.iter().enumerate() {
             mechanics.step(&mut self.batch, work, world);
             if (begin + k + 1).is_multiple_of(*per_frame) {
-                self.put_points(frames.next().expect("as many as frames end in these steps"));
+                if let Some(rooms) = rooms.of_frame(n_frames) {
+                    self.show(rooms);
+                }
+                n_frames += 1;
             }
         }
         self.note_asked();
@@ -285,28 +283,35 @@ impl<M: Mechanics, L: Lane> Lanes<M, L> {
         }
     }
 
-    fn n_points(&self) -> usize {
-        self.n_sticks.iter().sum()
-    }
-
-    /// Puts the points into as many.
-    fn put_points(&self, points: &mut [[f32; 3]]) {
-        L::dispatch(PutPoints::<M, L> { batch: &self.batch, places: Places::new(&self.n_sticks, points) });
+    /// Puts the points into rooms, a lane each.
+    fn show(&mut self, rooms: &mut [Room<'_>]) {
+        L::dispatch(Show::<M, L> { batch: &self.batch, lengths: &mut self.lengths, rooms });
     }
 }
 
-/// [`Lanes::put_points`], compiled for the lanes' registers.
-struct PutPoints<'a, M: Mechanics, L: Lane> {
+/// [`Lanes::show`], compiled for the lanes' registers.
+struct Show<'a, 'r, M: Mechanics, L: Lane> {
     batch: &'a M::Batch<L>,
-    places: Places<'a>,
+    lengths: &'a mut Lengths<L>,
+    rooms: &'a mut [Room<'r>],
 }
 
-impl<M: Mechanics, L: Lane> NullaryFnOnce for PutPoints<'_, M, L> {
+impl<M: Mechanics, L: Lane> NullaryFnOnce for Show<'_, '_, M, L> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Self { batch, mut places } = self;
-        M::show_ends_m(batch, |stick, ends| places.put(stick, ends));
+        let Self { batch, lengths, rooms } = self;
+        let rooms = &mut numbers(rooms);
+        let mut listener = lengths.listen();
+        let mut before = M::root_m(batch).as_single();
+        put_points(rooms, 0, before);
+        M::show_ends_m(batch, |stick, ends| {
+            let ends = ends.as_single();
+            listener.hear(stick, (before, ends));
+            put_points(rooms, stick + 1, ends);
+            before = ends;
+        });
+        listener.end();
     }
 }

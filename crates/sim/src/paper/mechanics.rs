@@ -69,6 +69,11 @@ impl Mechanics for Paper {
     }
 
     #[inline(always)]
+    fn root_m<L: Lane>(batch: &Batch<L>) -> Vector<L> {
+        batch.root
+    }
+
+    #[inline(always)]
     fn show_ends_m<L: Lane>(batch: &Batch<L>, show: impl FnMut(usize, Vector<L>)) {
         batch.show_ends_m(show);
     }

@@ -212,6 +212,11 @@ impl Mechanics for Physical {
     }
 
     #[inline(always)]
+    fn root_m<L: Lane>(moving: &Moving<L>) -> Vector<L> {
+        moving.strands.root
+    }
+
+    #[inline(always)]
     fn show_ends_m<L: Lane>(moving: &Moving<L>, mut show: impl FnMut(usize, Vector<L>)) {
         for (k, state) in moving.strands.states.iter().enumerate() {
             show(k, state.place);

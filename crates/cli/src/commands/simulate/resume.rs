@@ -113,7 +113,7 @@ impl Inputs {
         let options = SimOptions { head: None, ..options.clone() };
         let head = args.head.as_ref().map(|name| super::head::split(name));
         Ok(Self {
-            program: env!("CARGO_PKG_VERSION").to_owned(),
+            program: format!("{} {PARTS}", env!("CARGO_PKG_VERSION")),
             field: hash(&args.field)?,
             groom: hash(&args.groom)?,
             head: head.as_ref().map(|(path, _)| hash(path)).transpose()?,
@@ -200,14 +200,17 @@ impl Keeper for Stage<'_> {
     }
 }
 
-const DIGEST_BYTES: usize = 32;
-const COUNT_BYTES: usize = 5 * 8;
+/// How parts are cut and written. It changes with the order of strands and with [`to_bytes`].
+const PARTS: &str = "parts 2";
 
-/// A part as a file: SHA-256 of the rest, five counts, positions; little endian.
+const DIGEST_BYTES: usize = 32;
+const COUNT_BYTES: usize = 6 * 8;
+
+/// A part as a file: SHA-256 of the rest, six counts, positions; little endian.
 fn to_bytes(part: &Part) -> Vec<u8> {
-    let Count { steps, iterations, slept, unsettled, unsettled_m } = part.count;
+    let Count { steps, iterations, slept, unsettled, unsettled_m, max_stretch } = part.count;
     let mut bytes = vec![0; DIGEST_BYTES];
-    for count in [steps, iterations, slept, unsettled, unsettled_m.to_bits()] {
+    for count in [steps, iterations, slept, unsettled, unsettled_m.to_bits(), max_stretch.to_bits()] {
         bytes.extend(count.to_le_bytes());
     }
     bytes.extend(part.positions_m.iter().flatten().flat_map(|c| c.to_le_bytes()));
@@ -224,13 +227,14 @@ fn from_bytes(bytes: &[u8]) -> Option<Part> {
         return None;
     }
     let (counts, _) = counts.as_chunks::<8>();
-    let [steps, iterations, slept, unsettled, unsettled_m] = counts else { return None };
+    let [steps, iterations, slept, unsettled, unsettled_m, max_stretch] = counts else { return None };
     let count = Count {
         steps: u64::from_le_bytes(*steps),
         iterations: u64::from_le_bytes(*iterations),
         slept: u64::from_le_bytes(*slept),
         unsettled: u64::from_le_bytes(*unsettled),
         unsettled_m: f64::from_bits(u64::from_le_bytes(*unsettled_m)),
+        max_stretch: f64::from_bits(u64::from_le_bytes(*max_stretch)),
     };
     let (numbers, _) = positions.as_chunks::<4>();
     let (points, _) = numbers.as_chunks::<3>();
@@ -244,7 +248,8 @@ mod tests {
 
     #[test]
     fn a_part_comes_back_and_a_flipped_bit_is_noticed() {
-        let count = Count { steps: 1, iterations: 2, slept: 3, unsettled: 4, unsettled_m: 0.5 };
+        let count =
+            Count { steps: 1, iterations: 2, slept: 3, unsettled: 4, unsettled_m: 0.5, max_stretch: 0.25 };
         let part = Part { positions_m: vec![[1.0, -2.5, 3.0], [0.1, 0.2, 0.3]], count };
         let bytes = to_bytes(&part);
         assert_eq!(from_bytes(&bytes), Some(part));
