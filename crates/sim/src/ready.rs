@@ -173,11 +173,16 @@ impl<'a, M: Mechanics> Ready<'a, M> {
         }
     }
 
-    /// What to say of a motion of some strands of which a point is nowhere.
-    fn is_nowhere(&self, run: &Run<'_, M>, strands: &[usize], positions_m: &[[f32; 3]]) -> SimError {
+    /// Refuses a motion of some strands of which a point is nowhere.
+    fn check_whole(
+        &self,
+        run: &Run<'_, M>,
+        strands: &[usize],
+        positions_m: &[[f32; 3]],
+    ) -> Result<(), SimError> {
         let Setting { groom, options, .. } = self.setting;
         let is_nowhere = |point: &[f32; 3]| point.iter().any(|c| !c.is_finite());
-        let at = positions_m.iter().position(is_nowhere).expect("a point that is nowhere");
+        let Some(at) = positions_m.iter().position(is_nowhere) else { return Ok(()) };
         let n_points = |strand: usize| groom.strands[strand].rest_curve_m.len();
         let per_frame: usize = strands.iter().map(|s| n_points(*s)).sum();
         let (mut point, mut place) = (at % per_frame, 0);
@@ -188,10 +193,10 @@ impl<'a, M: Mechanics> Ready<'a, M> {
         let strand = groom.strands[strands[place]].name.clone();
         let integrator = options.integrator().name();
         let secs = run.timeline.frame_secs(at / per_frame);
-        match run.limit {
+        Err(match run.limit {
             Some(_) => SimError::BlewUp { integrator, strand, secs, dt_secs: run.timeline.dt_secs() },
             None => SimError::Nowhere { integrator, strand, secs },
-        }
+        })
     }
 
     fn at_rest(&self, run: &Run<'_, M>, strands: &[usize]) -> Box<dyn Abreast<M>> {
@@ -207,11 +212,10 @@ impl<'a, M: Mechanics> Ready<'a, M> {
     ) -> Result<Part, SimError> {
         let mut moving = self.at_rest(run, strands);
         let positions_m = self.move_all(run, strands, moving.as_mut(), progress);
-        if moving.are_whole() {
-            Ok(Part { positions_m, count: moving.count() })
-        } else {
-            Err(self.is_nowhere(run, strands, &positions_m))
+        if !moving.are_whole() {
+            self.check_whole(run, strands, &positions_m)?;
         }
+        Ok(Part { positions_m, count: moving.count() })
     }
 
     /// Some strands that are at rest from the first frame to the last.
