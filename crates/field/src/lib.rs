@@ -15,7 +15,7 @@ mod window;
 
 pub use grid::{GridError, GridSpec, MAX_VOXELS, VoxelIndex};
 pub use layer::{Ease, FieldLayer, Handle, LayerKey, LayerOrigin, Reshape};
-pub use sampler::{Moment, Reading, SAMPLED_AT_ONCE, Sampler};
+pub use sampler::{Moment, Reading, Rows, SAMPLED_AT_ONCE, Sampler};
 pub use scene::Scene;
 pub use sequence::{Field, FieldError, FieldSequence, FieldSlice, Stencil, VoxelFlag, all_finite};
 pub use window::Window;

@@ -5,7 +5,7 @@ mod places;
 use crate::{Field, FieldLayer, FieldSequence, Window};
 use ghosts::{GhostVectors, Ghosts};
 use layers::Placed;
-use places::{Places, Raw, Voxels, lay_together};
+use places::{FEW, Places, Raw, Voxels, lay_together};
 use std::sync::{Arc, OnceLock};
 use tousle_core::Vec3;
 
@@ -68,6 +68,13 @@ enum Source<'a> {
 pub const SAMPLED_AT_ONCE: usize = 16;
 
 const WIDTH: usize = SAMPLED_AT_ONCE;
+
+/// Some points or vectors: rows of x, y and z.
+pub type Rows = [[f32; SAMPLED_AT_ONCE]; 3];
+
+/// How many [`Rows`] are looked for in the grid before the first of them is read: a processor finds the next while it waits for
+/// the voxels of one.
+const FOUND_AHEAD: usize = 2;
 
 impl<'a> Sampler<'a> {
     /// A sampler of a field that [`FieldSequence::check`] has passed.
@@ -212,7 +219,7 @@ impl<'a> Sampler<'a> {
 
     /// Where points lie in a window of the grid.
     #[inline(always)]
-    fn places(&self, points_m: &[[f32; WIDTH]; 3], window: Window) -> Places {
+    fn places(&self, points_m: &Rows, window: Window) -> Places {
         let strides = [(window.dims[1] * window.dims[2]) as u32, window.dims[2] as u32, 1];
         let mut low = [0; WIDTH];
         let mut steps = [[0; WIDTH]; 2];
@@ -273,30 +280,69 @@ impl Moment<'_> {
         self.is_still
     }
 
-    /// The vectors at points, head space, m, layers included; deep in a head, zero. By components.
+    /// The vectors at points, head space, m, layers included; deep in a head, zero.
     ///
     /// Inlined into the caller, so that it is compiled for the processor that the caller was dispatched for.
     #[inline(always)]
-    pub fn sample_many(&self, points_m: &[[f32; WIDTH]; 3]) -> [[f32; WIDTH]; 3] {
+    pub fn sample_all(&self, points_m: &[Rows], vectors: &mut [Rows]) {
+        for (points_m, vectors) in points_m.chunks(FOUND_AHEAD).zip(vectors.chunks_mut(FOUND_AHEAD)) {
+            self.look_up(points_m, vectors);
+            for (placed, presence) in &self.layers {
+                for (points_m, vectors) in points_m.iter().zip(&mut *vectors) {
+                    placed.apply(points_m, *presence, vectors);
+                }
+            }
+        }
+    }
+
+    /// [`Moment::sample_all`] of up to [`FOUND_AHEAD`], layers left out.
+    #[inline(always)]
+    fn look_up(&self, points_m: &[Rows], vectors: &mut [Rows]) {
         let window = match &self.source {
             Source::AsTheyLie { .. } => Window::whole(&self.sampler.sequence.grid),
             _ => self.sampler.kept,
         };
-        let places = self.sampler.places(points_m, window);
-        let mut vectors = match &self.source {
-            Source::Together(voxels) => places.gather(voxels),
-            Source::LaidOut { before, after, share } => places.gather_mixed(*before, *after, *share),
-            Source::AsTheyLie { before, after, share } => places.gather_mixed(before, after, *share),
-        };
-        for (component, outside) in vectors.iter_mut().zip(self.outside) {
-            for (inside, far) in component.iter_mut().zip(places.far) {
-                *inside += (outside - *inside) * far;
+        let mut places = [Places::ZERO; FOUND_AHEAD];
+        for (places, points_m) in places.iter_mut().zip(points_m) {
+            *places = self.sampler.places(points_m, window);
+        }
+        // Loops: what an array's `map` or an iterator's `for_each` is given would be called, compiled for any processor.
+        match &self.source {
+            Source::Together(voxels) => {
+                let mut firsts = [([0; FEW], 0); FOUND_AHEAD];
+                for (firsts, places) in firsts.iter_mut().zip(&places) {
+                    *firsts = places.first_in_each();
+                }
+                for ((found, places), firsts) in vectors.iter_mut().zip(&places).zip(firsts) {
+                    *found = places.gather(voxels, firsts);
+                }
+            }
+            Source::LaidOut { before, after, share } => {
+                for (found, places) in vectors.iter_mut().zip(&places) {
+                    *found = places.gather_mixed(*before, *after, *share);
+                }
+            }
+            Source::AsTheyLie { before, after, share } => {
+                for (found, places) in vectors.iter_mut().zip(&places) {
+                    *found = places.gather_mixed(before, after, *share);
+                }
             }
         }
-        for (placed, presence) in &self.layers {
-            placed.apply(points_m, *presence, &mut vectors);
+        for (vectors, places) in vectors.iter_mut().zip(&places) {
+            for (component, outside) in vectors.iter_mut().zip(self.outside) {
+                for (inside, far) in component.iter_mut().zip(places.far) {
+                    *inside += (outside - *inside) * far;
+                }
+            }
         }
-        vectors
+    }
+
+    /// [`Moment::sample_all`] of as many points as are looked up side by side.
+    #[inline(always)]
+    pub fn sample_many(&self, points_m: &Rows) -> Rows {
+        let mut vectors = [[[0.0; WIDTH]; 3]];
+        self.sample_all(core::slice::from_ref(points_m), &mut vectors);
+        vectors[0]
     }
 
     /// [`Moment::sample_many`] for a single point.
@@ -393,10 +439,13 @@ mod tests {
         for spread in [0.0, 0.01, 0.05, 0.1, 0.2, 0.7] {
             let point =
                 |k: usize| [0, 1, 2].map(|axis| (spread * libm::sin((7 * k + 3 * axis) as f64)) as f32);
-            let points = [0, 1, 2].map(|axis| core::array::from_fn(|k| point(k)[axis]));
-            let together = moment.sample_many(&points);
-            for k in 0..WIDTH {
-                assert_eq!(together.map(|component| component[k]), moment.sample(point(k)), "{spread} {k}");
+            let row = |n: usize| [0, 1, 2].map(|axis| core::array::from_fn(|k| point(WIDTH * n + k)[axis]));
+            let points: Vec<Rows> = (0..3).map(row).collect();
+            let mut together = vec![[[0.0; WIDTH]; 3]; points.len()];
+            moment.sample_all(&points, &mut together);
+            for k in 0..WIDTH * points.len() {
+                let found = together[k / WIDTH].map(|component| component[k % WIDTH]);
+                assert_eq!(found, moment.sample(point(k)), "{spread} {k}");
             }
         }
     }

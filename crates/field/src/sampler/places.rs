@@ -4,6 +4,7 @@ use super::WIDTH;
 use super::ghosts::Ghosts;
 
 /// Where some points lie in the grid.
+#[derive(Clone, Copy)]
 pub(super) struct Places {
     /// The voxel before each point along all axes; how far it is to the next along x and along y (0 at the grid's side).
     pub low: [u32; WIDTH],
@@ -74,7 +75,14 @@ impl Pairs for &Raw<'_> {
     }
 }
 
+/// A point behind each of the voxels that points lie behind, and how many these are: [`Places::first_in_each`].
+pub(super) type Firsts = ([usize; FEW], usize);
+
 impl Places {
+    /// Nowhere in particular.
+    pub const ZERO: Self =
+        Self { low: [0; WIDTH], steps: [[0; WIDTH]; 2], shares: [[0.0; WIDTH]; 3], far: [0.0; WIDTH] };
+
     /// Four pairs of voxels around the `k`-th point: those before it and the next along y, then the same for the next
     /// along x.
     #[inline(always)]
@@ -89,10 +97,9 @@ impl Places {
         ]
     }
 
-    /// Vectors between the eight voxels around each point, by components.
+    /// Vectors between the eight voxels around each point, by components. `firsts`: as [`Places::first_in_each`] finds them.
     #[inline(always)]
-    pub fn gather(&self, voxels: &Voxels) -> [[f32; WIDTH]; 3] {
-        let (firsts, n) = self.first_in_each();
+    pub fn gather(&self, voxels: &Voxels, (firsts, n): Firsts) -> [[f32; WIDTH]; 3] {
         if n > FEW { self.point_by_point(voxels) } else { self.voxel_by_voxel(voxels, &firsts[..n]) }
     }
 
@@ -118,7 +125,7 @@ impl Places {
 
     /// The first point behind each voxel that has some, and how many these are; if they are more than [`FEW`], not all.
     #[inline(always)]
-    fn first_in_each(&self) -> ([usize; FEW], usize) {
+    pub fn first_in_each(&self) -> Firsts {
         let (mut firsts, mut n) = ([0; FEW], 0);
         // A bit for each point that is behind none of those yet.
         let mut left: u32 = (1 << WIDTH) - 1;
@@ -202,7 +209,7 @@ impl Places {
 }
 
 /// Points behind so few voxels are looked up voxel by voxel: strands side by side in a dense hairstyle.
-const FEW: usize = 4;
+pub(super) const FEW: usize = 4;
 
 /// A number between those of four neighbors along x and y.
 #[inline(always)]
