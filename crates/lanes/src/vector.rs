@@ -86,11 +86,18 @@ impl<L: Lane> Vector<L> {
     /// The vector of one strand for each, as a function of its place.
     #[inline(always)]
     pub fn from_fn(mut f: impl FnMut(usize) -> Vec3) -> Self {
-        let mut v = Self::zero();
+        let mut rows = [[0.0; MOST_LANES]; 3];
         for lane in 0..L::N {
-            v.set(lane, f(lane));
+            let vector = f(lane);
+            for (row, component) in rows.iter_mut().zip(&vector) {
+                row[lane] = *component;
+            }
         }
-        v
+        Self::new(
+            L::from_fn(|lane| rows[0][lane]),
+            L::from_fn(|lane| rows[1][lane]),
+            L::from_fn(|lane| rows[2][lane]),
+        )
     }
 
     /// This · o.

@@ -158,6 +158,16 @@ macro_rules! wide {
             }
 
             #[inline(always)]
+            fn from_fn(mut f: impl FnMut(usize) -> f64) -> Self {
+                // All of them at once: a register of which one number is set goes through memory for each.
+                let mut numbers = [0.0; $n];
+                for (lane, number) in numbers.iter_mut().enumerate() {
+                    *number = $t::nearest(f(lane));
+                }
+                Self::zero().with(cast(numbers))
+            }
+
+            #[inline(always)]
             fn of_single(self, numbers: &[f32]) -> Self {
                 let numbers: [f32; $n] = numbers.try_into().expect("as many as there are strands");
                 self.with($of_single(self.simd, cast(numbers)))

@@ -101,6 +101,9 @@ pub enum SimError {
     /// What keeps a run's parts failed.
     #[error("cannot keep or read back a part of the run")]
     Keeper(#[source] Box<dyn core::error::Error + Send + Sync>),
+    /// What takes a run's frames takes no more.
+    #[error("cannot hand on a frame of the run")]
+    Sink(#[source] Box<dyn core::error::Error + Send + Sync>),
     /// A part that was kept is none of this run.
     #[error("part {number} of the run: found another number of positions than its strands have")]
     OtherPart {

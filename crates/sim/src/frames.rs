@@ -236,6 +236,11 @@ impl Frames {
         Self { positions_m, ..Self::new(groom, &all, 1) }
     }
 
+    /// The positions of the first of the frames.
+    pub fn first(&self, n_frames: usize) -> &[[f32; 3]] {
+        &self.positions_m[..n_frames * self.n_points]
+    }
+
     /// Where the frames' strands are in some batches of them, each given by its strands' indices; all but the last are full.
     pub fn seats(&self, batches: &[Vec<usize>]) -> Seats {
         let mut next: Vec<usize> = self.places.iter().map(|place| place.0).collect();

@@ -78,6 +78,12 @@ impl<L: Lane> Seen<L> {
         !margin_m.same(1.0).any_above(self.far(place, margin_m))
     }
 
+    /// How much is left of the room, now that the point is at a place, m.
+    #[inline(always)]
+    pub fn left_m(&self, place: Vector<L>) -> L {
+        self.room_m - (place - self.place).norm_squared().sqrt()
+    }
+
     /// 1 for a strand whose point cannot have come within a margin of anything, now that it is at a place; 0 for others.
     #[inline(always)]
     pub fn far(&self, place: Vector<L>, margin_m: L) -> L {

@@ -34,7 +34,7 @@ pub use frames::max_stretch;
 pub use integrator::Integrator;
 pub use options::{Method, SimOptions, TimeMode, TorsoGrip};
 pub use parts::{Count, Keeper, Part};
-pub use report::{PlanEntry, SimReport, Simulation, Steps};
+pub use report::{Frame, FrameSink, PlanEntry, SimReport, Simulation, Steps};
 pub use resident::{Held, Simulator};
 pub use tousle_lanes::Precision;
 pub use trace::Traced;

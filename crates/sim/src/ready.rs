@@ -11,7 +11,9 @@ use crate::stability;
 use crate::timeline::{Runs, Timeline};
 use crate::touchable::{n_reaching, within_reach};
 use crate::trace::Whereabouts;
-use crate::{Integrator, Keeper, Precision, SimError, SimOptions, SimReport, Simulation, Steps};
+use crate::{
+    Frame, FrameSink, Integrator, Keeper, Precision, SimError, SimOptions, SimReport, Simulation, Steps,
+};
 use core::any::Any;
 use core::fmt::Debug;
 use rayon::prelude::*;
@@ -33,6 +35,15 @@ pub(crate) trait Resident: Debug + Send + Sync {
         progress: &dyn Progress,
         runs: Runs,
     ) -> Result<Simulation, SimError>;
+
+    /// All strands from the first frame to the last, frame by frame into a sink.
+    fn run_into(
+        &self,
+        layers: &[FieldLayer],
+        sink: &mut FrameSink<'_>,
+        progress: &dyn Progress,
+        runs: Runs,
+    ) -> Result<SimReport, SimError>;
 
     /// How a run is cut into steps.
     fn steps(&self, layers: &[FieldLayer]) -> Result<Steps, SimError>;
@@ -173,12 +184,12 @@ impl<'a, M: Mechanics> Ready<'a, M> {
         }
     }
 
-    /// Refuses a motion of some strands of which a point is nowhere.
+    /// Refuses frames of some strands, from a number on, of which a point is nowhere.
     fn check_whole(
         &self,
         run: &Run<'_, M>,
         strands: &[usize],
-        positions_m: &[[f32; 3]],
+        (first, positions_m): (usize, &[[f32; 3]]),
     ) -> Result<(), SimError> {
         let Setting { groom, options, .. } = self.setting;
         let is_nowhere = |point: &[f32; 3]| point.iter().any(|c| !c.is_finite());
@@ -192,7 +203,7 @@ impl<'a, M: Mechanics> Ready<'a, M> {
         }
         let strand = groom.strands[strands[place]].name.clone();
         let integrator = options.integrator().name();
-        let secs = run.timeline.frame_secs(at / per_frame);
+        let secs = run.timeline.frame_secs(first + at / per_frame);
         Err(match run.limit {
             Some(_) => SimError::BlewUp { integrator, strand, secs, dt_secs: run.timeline.dt_secs() },
             None => SimError::Nowhere { integrator, strand, secs },
@@ -213,7 +224,7 @@ impl<'a, M: Mechanics> Ready<'a, M> {
         let mut moving = self.at_rest(run, strands);
         let positions_m = self.move_all(run, strands, moving.as_mut(), progress);
         if !moving.are_whole() {
-            self.check_whole(run, strands, &positions_m)?;
+            self.check_whole(run, strands, (0, &positions_m))?;
         }
         Ok(Part { positions_m, count: moving.count() })
     }
@@ -258,6 +269,33 @@ impl<M: Mechanics> Resident for Ready<'_, M> {
         let motion = StrandMotion { counts, times_secs, positions_m: moved.positions_m };
         let report = self.report(&run, moved.count);
         Ok(Simulation { motion, report })
+    }
+
+    fn run_into(
+        &self,
+        layers: &[FieldLayer],
+        sink: &mut FrameSink<'_>,
+        progress: &dyn Progress,
+        runs: Runs,
+    ) -> Result<SimReport, SimError> {
+        let groom = self.setting.groom;
+        let run = self.under(layers, runs)?;
+        let all: Vec<usize> = (0..self.strands.len()).collect();
+        let mut moving = self.at_rest(&run, &all);
+        let mut frames = Frames::new(groom, &all, run.frames_per_block().min(run.timeline.n_frames));
+        run.say_all(moving.as_mut(), &mut frames, progress, |moving, first, positions_m| {
+            let are_whole = moving.are_whole();
+            for (k, positions_m) in positions_m.chunks_exact(groom.n_points()).enumerate() {
+                let number = first + k;
+                if !are_whole {
+                    self.check_whole(&run, &all, (number, positions_m))?;
+                }
+                let secs = run.timeline.frame_secs(number);
+                sink(Frame { number, secs, positions_m }).map_err(SimError::Sink)?;
+            }
+            Ok(())
+        })?;
+        Ok(self.report(&run, moving.count()))
     }
 
     fn steps(&self, layers: &[FieldLayer]) -> Result<Steps, SimError> {

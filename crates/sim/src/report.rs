@@ -1,4 +1,5 @@
 use crate::Integrator;
+use core::error::Error;
 use serde::Serialize;
 use tousle_core::{Assumption, StrandMotion};
 
@@ -10,6 +11,20 @@ pub struct Simulation {
     /// How it came about.
     pub report: SimReport,
 }
+
+/// One frame of a simulation, on its way to a [`FrameSink`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame<'a> {
+    /// Which, from 0.
+    pub number: usize,
+    /// Its time, s.
+    pub secs: f64,
+    /// Positions of all control points, head space, m: strand after strand, root first.
+    pub positions_m: &'a [[f32; 3]],
+}
+
+/// Takes the frames of a simulation, one after the other.
+pub type FrameSink<'a> = dyn FnMut(Frame<'_>) -> Result<(), Box<dyn Error + Send + Sync>> + 'a;
 
 /// How a simulation came about.
 #[derive(Clone, Debug, PartialEq, Serialize)]

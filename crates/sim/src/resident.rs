@@ -6,7 +6,7 @@ use crate::paper::Paper;
 use crate::physical::Physical;
 use crate::ready::{self, Ready, Resident};
 use crate::timeline::Runs;
-use crate::{Keeper, Method, SimError, SimOptions, Simulation, Steps, Traced, check};
+use crate::{FrameSink, Keeper, Method, SimError, SimOptions, SimReport, Simulation, Steps, Traced, check};
 use std::sync::Arc;
 use tousle_core::{Groom, Progress, StrandMotion};
 use tousle_field::{FieldLayer, FieldSequence, Scene};
@@ -113,6 +113,20 @@ impl<'a> Simulator<'a> {
         progress: &dyn Progress,
     ) -> Result<Simulation, SimError> {
         self.ready.run(layers, keeper, progress, Runs::Once)
+    }
+
+    /// [`Simulator::simulate`] into a sink, which takes each frame as soon as it is there: nothing is held but some frames on
+    /// their way, so runs may be of any length, and go faster, as memory is used again that the system would else hand out anew.
+    ///
+    /// # Errors
+    /// As [`Simulator::simulate`], after the frames before; [`SimError::Sink`] if the sink takes no more.
+    pub fn simulate_into(
+        &self,
+        layers: &[FieldLayer],
+        sink: &mut FrameSink<'_>,
+        progress: &dyn Progress,
+    ) -> Result<SimReport, SimError> {
+        self.ready.run_into(layers, sink, progress, Runs::Again)
     }
 
     /// How a run under some layers is cut into steps.

@@ -1,13 +1,13 @@
 //! The loop over steps and batches.
 
-use crate::Precision;
 use crate::extent::{Extent, Region};
-use crate::frames::{Frames, Lengths, Room, Rooms, numbers, put_points};
+use crate::frames::{Frames, Lengths, Room, Rooms, Seats, numbers, put_points};
 use crate::mechanics::Mechanics;
 use crate::parts::Count;
 use crate::prepared::Prepared;
 use crate::stability::Limit;
 use crate::timeline::Timeline;
+use crate::{Precision, SimError};
 use core::fmt::Debug;
 use core::marker::PhantomData;
 use core::ops::Range;
@@ -46,47 +46,122 @@ struct Lanes<M: Mechanics, L: Lane> {
 /// Steps that a batch runs before the next one's turn: enough to spread the cost of preparing what the world does. Few
 /// batches stay in the nearest memory with all they need; with many, it is the laid-together fields that must stay there.
 const BLOCK_OF_FEW: usize = 32;
-const BLOCK_OF_MANY: usize = 3;
+const BLOCK_OF_MANY: usize = 6;
 
 impl<M: Mechanics> Run<'_, M> {
     /// Moves strands from a frame to another, a block of steps at a time, and puts what is wanted of the frames between.
     pub fn advance(
         &self,
         strands: &mut dyn Abreast<M>,
-        (first, last): (usize, usize),
+        span: (usize, usize),
         progress: &dyn Progress,
         mut wanted: Wanted<'_>,
     ) {
-        let per_frame = self.timeline.steps_per_frame;
         let indices = strands.indices();
-        let n_strands: usize = indices.iter().map(Vec::len).sum();
         let seats = wanted.as_ref().map(|(frames, _)| frames.seats(&indices));
-        let (done, total) = (AtomicU64::new(0), (n_strands * (last - first) * per_frame) as u64);
-        for steps in self.blocks((first, last)) {
-            let world = |step| self.mechanics.world(&self.timeline, &self.sampler, self.reading, step);
-            let worlds: Vec<M::World<'_>> = steps.clone().into_par_iter().map(world).collect();
-            let block = Block { mechanics: &self.mechanics, begin: steps.start, worlds: &worlds, per_frame };
-            let (next, end) = (steps.start / per_frame + 1, steps.end / per_frame + 1);
-            let (mut rooms, skipped) = match (&mut wanted, &seats) {
-                (Some((frames, from)), Some(seats)) if *from < end => {
-                    let begin = usize::max(next, *from);
-                    (frames.rooms(begin - *from..end - *from, seats), begin - next)
-                }
-                _ => (Vec::new(), 0),
-            };
-            strands.take_steps(&block, (&mut rooms, skipped), &|n_strands| {
-                let n = (n_strands * worlds.len()) as u64;
-                progress.at(done.fetch_add(n, Ordering::Relaxed) + n, total);
-            });
+        let clock = self.clock(&indices, span, progress);
+        for steps in self.blocks(span) {
+            let into = wanted.as_mut().zip(seats.as_ref());
+            self.take(
+                strands,
+                &steps,
+                into.map(|((frames, from), seats)| (&mut **frames, seats, *from)),
+                &clock,
+            );
         }
+    }
+
+    /// Moves strands that are at rest from the first frame to the last, and says each block of frames that is done, with
+    /// the number of its first. They are put into `frames`, which has room for those of one block and holds the first of all.
+    pub fn say_all(
+        &self,
+        strands: &mut dyn Abreast<M>,
+        frames: &mut Frames,
+        progress: &dyn Progress,
+        mut say: impl FnMut(&dyn Abreast<M>, usize, &[[f32; 3]]) -> Result<(), SimError>,
+    ) -> Result<(), SimError> {
+        let span = (0, self.timeline.n_frames - 1);
+        let indices = strands.indices();
+        let seats = frames.seats(&indices);
+        let clock = self.clock(&indices, span, progress);
+        say(strands, 0, frames.first(1))?;
+        for steps in self.blocks(span) {
+            let done = self.frames_of(&steps);
+            self.take(strands, &steps, Some((frames, &seats, done.start)), &clock);
+            say(strands, done.start, frames.first(done.len()))?;
+        }
+        Ok(())
+    }
+
+    /// How many frames a block of steps completes at most.
+    pub fn frames_per_block(&self) -> usize {
+        self.block().div_ceil(self.timeline.steps_per_frame)
+    }
+
+    fn clock<'p>(
+        &self,
+        indices: &[Vec<usize>],
+        (first, last): (usize, usize),
+        progress: &'p dyn Progress,
+    ) -> Clock<'p> {
+        let n_strands: usize = indices.iter().map(Vec::len).sum();
+        let total = n_strands * (last - first) * self.timeline.steps_per_frame;
+        Clock { done: AtomicU64::new(0), total: total as u64, progress }
+    }
+
+    /// The frames that a block of steps completes.
+    fn frames_of(&self, steps: &Range<usize>) -> Range<usize> {
+        let per_frame = self.timeline.steps_per_frame;
+        steps.start / per_frame + 1..steps.end / per_frame + 1
+    }
+
+    /// Moves strands through a block of steps, and puts those frames that are wanted, from a number on.
+    fn take(
+        &self,
+        strands: &mut dyn Abreast<M>,
+        steps: &Range<usize>,
+        wanted: Option<(&mut Frames, &Seats, usize)>,
+        clock: &Clock<'_>,
+    ) {
+        let world = |step| self.mechanics.world(&self.timeline, &self.sampler, self.reading, step);
+        let worlds: Vec<M::World<'_>> = steps.clone().into_par_iter().map(world).collect();
+        let per_frame = self.timeline.steps_per_frame;
+        let block = Block { mechanics: &self.mechanics, begin: steps.start, worlds: &worlds, per_frame };
+        let Range { start: next, end } = self.frames_of(steps);
+        let (mut rooms, skipped) = match wanted {
+            Some((frames, seats, from)) if from < end => {
+                let begin = usize::max(next, from);
+                (frames.rooms(begin - from..end - from, seats), begin - next)
+            }
+            _ => (Vec::new(), 0),
+        };
+        strands
+            .take_steps(&block, (&mut rooms, skipped), &|n_strands| clock.passed(n_strands * worlds.len()));
+    }
+
+    fn block(&self) -> usize {
+        if self.reading == Reading::Together { BLOCK_OF_MANY } else { BLOCK_OF_FEW }
     }
 
     /// The steps from a frame to another, block by block.
     pub fn blocks(&self, (first, last): (usize, usize)) -> impl Iterator<Item = Range<usize>> {
-        let per_frame = self.timeline.steps_per_frame;
-        let block = if self.reading == Reading::Together { BLOCK_OF_MANY } else { BLOCK_OF_FEW };
+        let (per_frame, block) = (self.timeline.steps_per_frame, self.block());
         let (start, end) = (first * per_frame, last * per_frame);
         (start..end).step_by(block).map(move |begin| begin..(begin + block).min(end))
+    }
+}
+
+/// How many steps of strands are done.
+struct Clock<'p> {
+    done: AtomicU64,
+    total: u64,
+    progress: &'p dyn Progress,
+}
+
+impl Clock<'_> {
+    fn passed(&self, n_steps: usize) {
+        let n = n_steps as u64;
+        self.progress.at(self.done.fetch_add(n, Ordering::Relaxed) + n, self.total);
     }
 }
 

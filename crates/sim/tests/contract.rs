@@ -9,7 +9,7 @@ use common::{
 use std::sync::Mutex;
 use tousle_core::{NoProgress, Pose, PoseTrack, Progress, Quantity, Strand, Vec3};
 use tousle_field::{FieldLayer, FieldSequence, Reshape};
-use tousle_sim::{Integrator, Method, SimError, SimOptions, Simulator, TimeMode, simulate};
+use tousle_sim::{Integrator, Method, SimError, SimOptions, Simulation, Simulator, TimeMode, simulate};
 
 #[test]
 fn the_first_frame_is_the_rest_curve_and_the_last_is_the_fields_end() {
@@ -54,6 +54,54 @@ fn a_part_moves_as_in_the_whole() {
         assert_eq!(some.strand(frame, idx), all.strand(frame, k));
     }
     assert_ne!(alone.frame(frame), some.frame(frame), "three strands tell of another style");
+}
+
+/// A sink gets the frames of the motion, one after the other, be there few points or so many that the field is laid together.
+#[test]
+fn a_sink_gets_what_the_motion_holds() {
+    let (field, scene) = (gusts(), mannequin());
+    for (n_strands, dt_secs) in [(3, 1.0 / 60.0), (3, 1.0 / 240.0), (410, 1.0 / 120.0)] {
+        let groom = tousle_bench::worlds::wig(n_strands, 16);
+        for method in [Method::Paper, Method::Physical] {
+            let options =
+                SimOptions { dt_secs: Some(dt_secs), duration_secs: Some(0.3), ..SimOptions::of(method) };
+            let simulator = Simulator::new(&field, &scene, &groom, &options).unwrap();
+            let Simulation { motion, report } = simulator.simulate(&[], &NoProgress).unwrap();
+            let (mut secs, mut positions_m) = (Vec::new(), Vec::new());
+            let streamed = simulator.simulate_into(
+                &[],
+                &mut |frame| {
+                    assert_eq!(frame.number, secs.len());
+                    secs.push(frame.secs);
+                    positions_m.extend_from_slice(frame.positions_m);
+                    Ok(())
+                },
+                &NoProgress,
+            );
+            assert_eq!(streamed.unwrap(), report, "{method:?}");
+            assert_eq!(secs, motion.times_secs, "{method:?}");
+            assert!(positions_m == motion.positions_m, "{method:?}, {n_strands} strands");
+        }
+    }
+}
+
+/// A sink that takes no more ends the run.
+#[test]
+fn a_full_sink_ends_the_run() {
+    let (field, scene, options) = (gusts(), mannequin(), SimOptions::of(Method::Physical));
+    let groom = common::groom(many());
+    let simulator = Simulator::new(&field, &scene, &groom, &options).unwrap();
+    let mut taken = 0;
+    let run = simulator.simulate_into(
+        &[],
+        &mut |frame| {
+            taken += 1;
+            if frame.number < 7 { Ok(()) } else { Err("full".into()) }
+        },
+        &NoProgress,
+    );
+    let Err(SimError::Sink(why)) = run else { panic!("{run:?}") };
+    assert_eq!((why.to_string().as_str(), taken), ("full", 8));
 }
 
 #[test]

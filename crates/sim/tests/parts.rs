@@ -12,8 +12,8 @@ use std::num::NonZeroUsize;
 use tousle_core::{Groom, NoProgress, Quantity, Vec3};
 use tousle_field::Scene;
 use tousle_sim::{
-    Integrator, Keeper, Part, Precision, SimError, SimOptions, Simulation, max_stretch, simulate,
-    simulate_kept,
+    Frame, Integrator, Keeper, Part, Precision, SimError, SimOptions, Simulation, Simulator, max_stretch,
+    simulate, simulate_kept,
 };
 
 /// Keeps parts in memory and stops the run when it has so many.
@@ -101,6 +101,19 @@ fn a_part_that_gets_nowhere_is_named_and_not_kept() {
         let Err(SimError::Nowhere { strand, secs, .. }) = run else { panic!("{integrator:?}: {run:?}") };
         assert!(!strand.is_empty() && secs > 0.0, "strand {strand:?} at {secs} s");
         assert!(shelf.parts.borrow().is_empty());
+        // A sink gets the frames before that one, and hears of the same.
+        let groom = sixty();
+        let simulator = Simulator::new(&field, &scene, &groom, &options).unwrap();
+        let mut last_secs = f64::NEG_INFINITY;
+        let mut sink = |frame: Frame<'_>| {
+            assert!(frame.positions_m.iter().flatten().all(|c| c.is_finite()), "{integrator:?}");
+            last_secs = frame.secs;
+            Ok(())
+        };
+        let run = simulator.simulate_into(&[], &mut sink, &NoProgress);
+        let Err(SimError::Nowhere { strand: again, secs: at, .. }) = run else { panic!("{run:?}") };
+        assert_eq!((again, at), (strand, secs), "{integrator:?}");
+        assert!(last_secs < secs, "{integrator:?}");
     }
 }
 

@@ -1,9 +1,9 @@
 use super::{AirOnStick, Batch, Paper, Stick, Work};
 use crate::physical::STILL2;
 use crate::timeline::StepScene;
-use crate::wind::sample;
+use crate::wind::feel_at_middles;
 use tousle_core::{HeadMotion, Quantity};
-use tousle_field::{Moment, SAMPLED_AT_ONCE};
+use tousle_field::Moment;
 use tousle_lanes::{Lane, Symmetric, Vector, cos_and_sine};
 use tousle_rod::DragLaw;
 
@@ -81,19 +81,7 @@ impl<L: Lane> Batch<L> {
         if let Some(asked) = &mut self.asked {
             asked.take_in(self.root, work.iter().map(|work| work.end));
         }
-        let half = self.damping_secs.same(0.5);
-        let mut before = self.root;
-        let mut points = [[0.0; SAMPLED_AT_ONCE]; 3];
-        for sticks in work.chunks_mut(SAMPLED_AT_ONCE / L::N) {
-            for (k, work) in sticks.iter().enumerate() {
-                ((before + work.end) * half).put_single(&mut points, k * L::N);
-                before = work.end;
-            }
-            let winds = sample(wind, &points);
-            for (k, work) in sticks.iter_mut().enumerate() {
-                work.wind = Vector::of_single(self.damping_secs, &winds, k * L::N);
-            }
-        }
+        feel_at_middles(wind, self.root, work, |work| work.end, |_, work, found| work.wind = found);
     }
 }
 

@@ -81,14 +81,14 @@ impl<L: Lane> Batch<L> {
             let (now, carry) = at_end_of_step(timeline, sampler, Reading::LaidOut, secs);
             let before = self.states.clone();
             let touchable = self.touchable.clone();
-            let at_rest = self.at_rest;
+            let (at_rest, went_m) = (self.at_rest, self.went_m);
             self.step_implicit(work, model, &now, carry.as_ref(), formula);
             let error_m = if self.at_rest { 0.0 } else { self.error(dt, carry.as_ref()) };
             let wanted = 0.85 * libm::cbrt(tolerance_m / error_m.max(1e-12));
             if error_m > tolerance_m && dt > SHORTEST_SECS {
                 self.states = before;
                 self.touchable = touchable;
-                self.at_rest = at_rest;
+                (self.at_rest, self.went_m) = (at_rest, went_m);
                 pace.next_secs = dt * wanted.clamp(0.2, 0.9);
                 continue;
             }

@@ -60,6 +60,8 @@ pub(crate) struct Batch<L> {
     /// How much smaller an iteration's second update is than its first, squared, as it last was; it grows from step to
     /// step until it is measured again.
     pub contraction2: L,
+    /// How far any point of each strand has gone, at most, since it was looked what may touch, m.
+    pub went_m: L,
     /// Whether nothing has moved yet.
     pub at_rest: bool,
     /// How many implicit steps have been taken since.
@@ -80,7 +82,8 @@ impl<L: Lane> Batch<L> {
     pub fn look(&mut self, work: &[Work<L>], now: &Now<'_>, margin_m: L, again: bool) {
         for touchable in &mut self.touchable {
             let places = work.iter().map(|work| work.place);
-            touchable.look(&now.surfaces[touchable.collider], places, margin_m, again);
+            touchable.look(&now.surfaces[touchable.collider], places, (margin_m, self.went_m), again);
         }
+        self.went_m = margin_m.same(0.0);
     }
 }

@@ -6,7 +6,7 @@ use crate::parts::Count;
 use crate::touchable::reached;
 use nalgebra::UnitQuaternion;
 use tousle_core::{HeadMotion, Vec3};
-use tousle_lanes::{Lane, Turn, Vector};
+use tousle_lanes::{Lane, MOST_LANES, Turn, Vector};
 use tousle_rod::{DragLaw, Lock, Rest, shortest_rotation, torque_to_load};
 
 /// A strand ready to be put into a batch.
@@ -58,35 +58,24 @@ const LENGTH_BEYOND_M: f64 = 0.01;
 pub(super) fn build<L: Lane>(strands: &[&Prepared], law: &DragLaw) -> Batch<L> {
     let of = |lane: usize| strands[lane.min(strands.len() - 1)];
     let n = strands.iter().map(|p| p.lock.n_sticks()).max().unwrap_or(0);
-    let per_stick = |stick: usize, value: &dyn Fn(&Prepared) -> f64, beyond: f64| {
-        L::from_fn(|lane| {
-            let p = of(lane);
-            if stick < p.lock.n_sticks() { value(p) } else { beyond }
-        })
-    };
     let links: Vec<Link<L>> = (0..n)
         .map(|k| Link {
-            length: per_stick(k, &|p| p.lock.lengths_m[k], LENGTH_BEYOND_M),
-            mass: per_stick(k, &|p| p.lock.masses_kg[k], 0.0),
-            stiffness: per_stick(k, &|p| p.lock.joint_stiffness[k], 1e-6),
-            damping_secs: per_stick(k, &|p| p.lock.damping_secs, 0.0),
+            length: per_stick(k, &of, |lock| lock.lengths_m[k], LENGTH_BEYOND_M),
+            mass: per_stick(k, &of, |lock| lock.masses_kg[k], 0.0),
+            stiffness: per_stick(k, &of, |lock| lock.joint_stiffness[k], 1e-6),
+            damping_secs: per_stick(k, &of, |lock| lock.damping_secs, 0.0),
             natural: Vector::from_fn(|lane| of(lane).shape.natural.get(k).copied().unwrap_or_default()),
             drag: per_stick(
                 k,
-                &|p| 0.5 * law.air_density * p.lock.widths_m[k] * p.lock.hair_lengths_m[k],
+                &of,
+                |lock| 0.5 * law.air_density * lock.widths_m[k] * lock.hair_lengths_m[k],
                 0.0,
             ),
-            viscous: per_stick(
-                k,
-                &|p| {
-                    let cbrt = libm::cbrt(law.viscosity / p.lock.widths_m[k]);
-                    10.0 * cbrt * cbrt
-                },
-                0.0,
-            ),
+            viscous: per_stick(k, &of, |lock| viscous(law, lock.widths_m[k]), 0.0),
             rotary: per_stick(
                 k,
-                &|p| p.lock.masses_kg[k] * p.lock.widths_m[k] * p.lock.widths_m[k] / 8.0,
+                &of,
+                |lock| lock.masses_kg[k] * lock.widths_m[k] * lock.widths_m[k] / 8.0,
                 0.0,
             ),
         })
@@ -106,19 +95,39 @@ pub(super) fn build<L: Lane>(strands: &[&Prepared], law: &DragLaw) -> Batch<L> {
         n_strands: strands.len(),
         root: Vector::from_fn(|lane| of(lane).lock.root_m),
         root_turn: turn_lanes(|lane| of(lane).shape.turns[0]),
-        widths_m: (0..n).map(|k| per_stick(k, &|p| p.lock.widths_m[k], 1e-3)).collect(),
-        densities: (0..n).map(|k| per_stick(k, &|p| p.lock.linear_densities_kg_per_m[k], 0.0)).collect(),
+        widths_m: (0..n).map(|k| per_stick(k, &of, |lock| lock.widths_m[k], 1e-3)).collect(),
+        densities: (0..n).map(|k| per_stick(k, &of, |lock| lock.linear_densities_kg_per_m[k], 0.0)).collect(),
         links,
         states,
         touchable,
         contact_stiffness: L::from_fn(|lane| contact_stiffness(&of(lane).lock)),
         contact_give: L::from_fn(|lane| 1.0 / contact_stiffness(&of(lane).lock)),
         contraction2: L::one(),
+        went_m: L::zero(),
         at_rest: true,
         n_moved: 0,
         asked: None,
         count: Count::default(),
     }
+}
+
+/// A number of a stick; `beyond` for those that follow a shorter strand's tip.
+fn per_stick<'a, L: Lane>(
+    stick: usize,
+    of: &impl Fn(usize) -> &'a Prepared,
+    value: impl Fn(&Lock) -> f64,
+    beyond: f64,
+) -> L {
+    L::from_fn(|lane| {
+        let lock = &of(lane).lock;
+        if stick < lock.n_sticks() { value(lock) } else { beyond }
+    })
+}
+
+/// [`Link::viscous`] of a width, m.
+fn viscous(law: &DragLaw, width_m: f64) -> f64 {
+    let cbrt = libm::cbrt(law.viscosity / width_m);
+    10.0 * cbrt * cbrt
 }
 
 impl<L: Lane> Batch<L> {
@@ -171,31 +180,32 @@ fn turn_lanes<L: Lane>(of: impl Fn(usize) -> UnitQuaternion<f64>) -> Turn<L> {
 }
 
 fn touchable<'a, L: Lane>(collider: usize, n: usize, of: &impl Fn(usize) -> &'a Prepared) -> Touchable<L> {
-    let bearing_n = |p: &Prepared, stick: usize| {
-        let borne = p.rest.bearings.iter().find(|b| b.collider == collider && b.stick == stick);
-        borne.map_or(0.0, |b| b.force_n)
-    };
-    let slip = |p: &Prepared, stick: usize| {
-        let borne = p.rest.bearings.iter().find(|b| b.collider == collider && b.stick == stick);
-        borne.map_or(Vec3::zeros(), |b| -b.rub_n / contact_stiffness(&p.lock))
-    };
-    let limit = |p: &Prepared, stick: usize| {
-        if stick >= p.lock.n_sticks() || !p.touchable.iter().any(|t| t.collider == collider) {
-            return f64::NEG_INFINITY;
+    let (mut limits_m, mut pushes) = (vec![[f64::NEG_INFINITY; MOST_LANES]; n], vec![[0.0; MOST_LANES]; n]);
+    let mut slips = vec![[Vec3::zeros(); MOST_LANES]; n];
+    for lane in 0..L::N {
+        let p = of(lane);
+        let stiffness = contact_stiffness(&p.lock);
+        for borne in p.rest.bearings.iter().filter(|borne| borne.collider == collider) {
+            pushes[borne.stick][lane] = borne.force_n;
+            slips[borne.stick][lane] = -borne.rub_n / stiffness;
         }
-        let clearance_m = p.rest.clearances_m[collider * p.lock.n_sticks() + stick];
-        limit_m(clearance_m, bearing_n(p, stick), contact_stiffness(&p.lock))
-    };
-    let each = |f: &dyn Fn(&Prepared, usize) -> f64| -> Vec<L> {
-        (0..n).map(|stick| L::from_fn(|lane| f(of(lane), stick))).collect()
-    };
+        if p.touchable.iter().any(|t| t.collider == collider) {
+            let clearances_m = &p.rest.clearances_m[collider * p.lock.n_sticks()..][..p.lock.n_sticks()];
+            for ((limits_m, pushes), clearance_m) in limits_m.iter_mut().zip(&pushes).zip(clearances_m) {
+                limits_m[lane] = limit_m(*clearance_m, pushes[lane], stiffness);
+            }
+        }
+    }
+    let lanes = |numbers: &[f64; MOST_LANES]| L::from_fn(|lane| numbers[lane]);
     Touchable {
         collider,
-        limits_m: each(&limit),
-        pushes: each(&bearing_n),
-        slips: (0..n).map(|stick| Vector::from_fn(|lane| slip(of(lane), stick))).collect(),
+        limits_m: limits_m.iter().map(lanes).collect(),
+        pushes: pushes.iter().map(lanes).collect(),
+        slips: slips.iter().map(|slips| Vector::from_fn(|lane| slips[lane])).collect(),
         is_borne: vec![true; n],
         seen: vec![Seen::not_yet(); n],
-        near: Vec::with_capacity(n),
+        idle_m: L::zero(),
+        near: Vec::new(),
+        bearings: Vec::new(),
     }
 }

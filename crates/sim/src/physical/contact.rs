@@ -23,8 +23,13 @@ pub(crate) struct Touchable<L> {
     pub is_borne: Vec<bool>,
     /// What is known of each point's distance, in the axes in which the surface keeps its place.
     pub seen: Vec<Seen<L>>,
+    /// How far each strand's points may go before one of them can be within a margin of the surface; none is looked at while
+    /// that is more than the margin, m. Nothing where some may touch, nor where the surface moves against the head.
+    pub idle_m: L,
     /// The ends of sticks that may touch in this step.
     pub near: Vec<Near<L>>,
+    /// What the surface does to each of them, of those that it touches; at least as many.
+    pub bearings: Vec<Bearing<L>>,
 }
 
 /// The end of a stick that may touch in a step.
@@ -33,11 +38,12 @@ pub(crate) struct Near<L> {
     pub stick: usize,
     /// As in [`Touchable::limits_m`]; minus infinity for strands whose own may not touch in this step.
     limit_m: L,
-    /// Where it was looked at or felt last, m; how far that is from the surface, and the way out, unless it was felt since;
-    /// and what the surface did to it there.
+    /// Where it was looked at or felt last, m; and how far that is from the surface, and the way out, unless it was felt since.
     place: Vector<L>,
     gap: Option<(L, Vector<L>)>,
-    pub bearing: Bearing<L>,
+    /// Whether the surface touched it, for any strand, where it was felt last. What does not touch, as most of what may, has
+    /// nothing to be kept.
+    touches: bool,
 }
 
 /// A surface and how it moves, ready for a step.
@@ -95,21 +101,29 @@ pub(super) fn depth_of(give_m: f64) -> f64 {
 
 impl<L: Lane> Touchable<L> {
     /// Finds the points that are, or are expected to come, within `margin_m` of where something touches them; `again`: more
-    /// of them in the same step.
+    /// of them in the same step. `went_m`: how far any point of each strand has gone, at most, since this was asked last.
     #[inline(always)]
     pub fn look(
         &mut self,
         moving: &MovingSurface,
         places: impl Iterator<Item = Vector<L>>,
-        margin_m: L,
+        (margin_m, went_m): (L, L),
         again: bool,
     ) {
         if !again {
             self.near.clear();
         }
+        self.idle_m -= went_m;
+        if self.idle_m.all_above(margin_m) {
+            return;
+        }
+        let mut idle_m = margin_m.same(if again { 0.0 } else { f64::INFINITY });
         let (nothing, one, never) =
             (margin_m.same(0.0), margin_m.same(1.0), margin_m.same(f64::NEG_INFINITY));
         let own = moving.own_from_head.map(|own| Placing::same(margin_m, &own));
+        if own.is_some() {
+            idle_m = nothing;
+        }
         for (stick, place) in places.enumerate() {
             // In its own axes the surface does not come nearer by itself.
             let own_place = own.map_or(place, |own| own.place(place));
@@ -117,13 +131,18 @@ impl<L: Lane> Touchable<L> {
             let far = seen.far(own_place, margin_m);
             if !one.any_above(far) {
                 self.let_go(stick, again);
+                if idle_m.any_above(nothing) {
+                    idle_m = idle_m.min(seen.left_m(own_place));
+                }
                 continue;
             }
+            idle_m = nothing;
             let room_m =
                 self.look_at(&moving.surface, stick, place, far.above(nothing, never, margin_m), again);
             let place = Vector::where_above(far, nothing, seen.place, own_place);
             self.seen[stick] = Seen { place, room_m: far.above(nothing, seen.room_m, room_m) };
         }
+        self.idle_m = idle_m;
     }
 
     /// Whether the end of a stick may touch in a step: whether, for any strand, it is or is expected to come within
@@ -139,7 +158,7 @@ impl<L: Lane> Touchable<L> {
         if beyond.all_above(nothing) {
             self.let_go(stick, again);
         } else {
-            if !again {
+            if self.is_borne[stick] && !again {
                 let slip = self.slips[stick];
                 self.pushes[stick] = beyond.above(nothing, nothing, self.pushes[stick]);
                 self.slips[stick] = Vector::where_above(beyond, nothing, Vector::none(nothing), slip);
@@ -148,8 +167,8 @@ impl<L: Lane> Touchable<L> {
             match self.near.iter_mut().find(|near| again && near.stick == stick) {
                 Some(near) => near.limit_m = near.limit_m.max(limit_m),
                 None => {
-                    let (gap, bearing) = (Some((gap, normal)), Bearing::none(limit_m));
-                    self.near.push(Near { stick, limit_m, place, gap, bearing });
+                    let gap = Some((gap, normal));
+                    self.near.push(Near { stick, limit_m, place, gap, touches: false });
                 }
             }
         }
@@ -180,28 +199,59 @@ impl<L: Lane> Touchable<L> {
         at: impl Fn(usize) -> (Vector<L>, Vector<L>, Vector<L>),
         firmness: Firmness<L>,
     ) -> L {
-        let mut off2 = firmness.give.same(0.0);
-        for near in &mut self.near {
-            let history = (self.pushes[near.stick], self.slips[near.stick]);
+        let zero = firmness.give.same(0.0);
+        let mut off2 = zero;
+        if self.bearings.len() < self.near.len() {
+            self.bearings.resize(self.near.len(), Bearing::none(zero));
+        }
+        for (near, bearing) in self.near.iter_mut().zip(&mut self.bearings) {
             let felt = at(near.stick);
             let place = felt.0;
-            let gap = near.gap.take().unwrap_or_else(|| gaps(&moving.surface, place));
-            let bearing = bear(model, (gap, near.limit_m), history, moving, felt, firmness);
-            let way = place - near.place;
-            let off = bearing.slope - near.bearing.slope - near.bearing.hessian.mul_vector(way);
-            off2 = off2.max(off.norm_squared());
+            let (gap, normal) = near.gap.take().unwrap_or_else(|| gaps(&moving.surface, place));
+            let depth = (near.limit_m - gap).max(zero);
+            let touches = depth.any_above(zero);
+            if touches || near.touches {
+                let here = if touches {
+                    let history = (self.pushes[near.stick], self.slips[near.stick]);
+                    bear(model, (depth, normal), history, moving, felt, firmness)
+                } else {
+                    Bearing::none(zero)
+                };
+                let off = if near.touches {
+                    here.slope - bearing.slope - bearing.hessian.mul_vector(place - near.place)
+                } else {
+                    here.slope
+                };
+                off2 = off2.max(off.norm_squared());
+                *bearing = here;
+            }
             near.place = place;
-            near.bearing = bearing;
+            near.touches = touches;
         }
         off2 * firmness.give * firmness.give
     }
 
+    /// Which sticks' ends the surface touches, and what it does to them, as they were felt last.
+    #[inline(always)]
+    pub fn touched(&self) -> impl Iterator<Item = (usize, &Bearing<L>)> {
+        let touched = self.near.iter().zip(&self.bearings).filter(|(near, _)| near.touches);
+        touched.map(|(near, bearing)| (near.stick, bearing))
+    }
+
     /// Keeps what friction goes by in the next step, as it was felt last.
+    #[inline(always)]
     pub fn remember(&mut self) {
-        for near in &self.near {
-            self.pushes[near.stick] = near.bearing.push;
-            self.slips[near.stick] = near.bearing.slip;
-            self.is_borne[near.stick] = true;
+        for (near, bearing) in self.near.iter().zip(&self.bearings) {
+            let stick = near.stick;
+            if near.touches {
+                self.pushes[stick] = bearing.push;
+                self.slips[stick] = bearing.slip;
+            } else if self.is_borne[stick] {
+                let zero = near.limit_m.same(0.0);
+                self.pushes[stick] = zero;
+                self.slips[stick] = Vector::none(zero);
+            }
+            self.is_borne[stick] = near.touches;
         }
     }
 }
@@ -213,55 +263,50 @@ impl<L: Lane> Bearing<L> {
     }
 }
 
-/// The force of a surface on the end of a stick at a place and velocity.
+/// The force of a surface on the end of a stick, so deep in it, at a place and velocity.
 ///
 /// Friction is elastic up to Coulomb's limit and plastic beyond, as in bristle models (Dahl 1968, "A solid friction
 /// model"): what is held stays where it is for ever, and what hangs on it from the start is in balance.
 #[inline(always)]
 fn bear<L: Lane>(
     model: &Model,
-    ((gap, normal), limit_m): ((L, Vector<L>), L),
+    (depth, normal): (L, Vector<L>),
     (push_before, slip_before): (L, Vector<L>),
     moving: &MovingSurface,
     (place, velocity, direction): (Vector<L>, Vector<L>, Vector<L>),
     Firmness { stiffness, give, per_h, dt }: Firmness<L>,
 ) -> Bearing<L> {
-    let (zero, fringe) = (limit_m.same(0.0), limit_m.same(FRINGE_M));
-    let depth = (limit_m - gap).max(zero);
-    if !depth.any_above(zero) {
-        return Bearing::none(limit_m);
-    }
+    let (zero, fringe) = (depth.same(0.0), depth.same(FRINGE_M));
     let soft = depth.min(fringe);
-    let spring = (soft * soft * limit_m.same(0.5 / FRINGE_M) + (depth - soft)) * stiffness;
-    let share = soft * limit_m.same(1.0 / FRINGE_M);
+    let spring = (soft * soft * depth.same(0.5 / FRINGE_M) + (depth - soft)) * stiffness;
+    let share = soft * depth.same(1.0 / FRINGE_M);
     // A critical dashpot that only resists, never pulls: what touches does not bounce.
     let ground =
-        Vector::same(limit_m, moving.velocity) + Vector::same(limit_m, moving.angular_velocity).cross(place);
+        Vector::same(depth, moving.velocity) + Vector::same(depth, moving.angular_velocity).cross(place);
     let relative = velocity - ground;
     let leaving = relative.dot(normal);
-    let dashpot = stiffness * share * limit_m.same(2.0 / CONTACT_RATE);
+    let dashpot = stiffness * share * depth.same(2.0 / CONTACT_RATE);
     let push = (spring - dashpot * leaving).max(zero);
     // In the fringe the dashpot grows with the depth. What comes is met by it; what leaves is not let go for it.
-    let stiffens =
-        (fringe - depth).above(zero, stiffness * limit_m.same(2.0 / CONTACT_RATE / FRINGE_M), zero);
+    let stiffens = (fringe - depth).above(zero, stiffness * depth.same(2.0 / CONTACT_RATE / FRINGE_M), zero);
     let rise = (-leaving).max(zero).mul_add(stiffens, stiffness * share + dashpot * per_h);
     let rise = push.above(zero, rise, zero);
-    let mut hessian = Symmetric::none(limit_m);
+    let mut hessian = Symmetric::none(depth);
     let mut slope = -(normal * push);
     if model.friction == 0.0 {
         hessian.add_outer(normal, rise);
-        return Bearing { push, slip: Vector::none(limit_m), slope, hessian };
+        return Bearing { push, slip: Vector::none(depth), slope, hessian };
     }
     // The limit goes by the push a step ago, so that friction does not wait for a push that waits for it.
     let held = depth.above(zero, push_before, zero);
-    let limit = held * limit_m.same(model.friction) * give;
+    let limit = held * depth.same(model.friction) * give;
     let along = relative - normal * leaving;
-    let rub_secs = limit_m.same(RUB_SECS);
+    let rub_secs = depth.same(RUB_SECS);
     let slip = slip_before.across(normal) + along * dt;
     let mut pull = slip + along * rub_secs;
     if moving.own_from_head.is_some() {
-        let hops = Hops { held, approach: (-leaving).max(zero), friction: limit_m.same(model.friction) };
-        let mass = stiffness * limit_m.same(1.0 / (CONTACT_RATE * CONTACT_RATE));
+        let hops = Hops { held, approach: (-leaving).max(zero), friction: depth.same(model.friction) };
+        let mass = stiffness * depth.same(1.0 / (CONTACT_RATE * CONTACT_RATE));
         pull = hops.tilt(pull, along, direction.across(normal), mass);
     }
     let share = share_within(limit, pull);
@@ -368,6 +413,22 @@ mod tests {
         }
     }
 
+    /// A strand that has not been looked at, by how near each of its points may come, m.
+    fn touchable_at(limits_m: &[f64]) -> Touchable<F64x1> {
+        let n = limits_m.len();
+        Touchable {
+            collider: 0,
+            limits_m: limits_m.iter().map(|limit_m| F64x1::splat(*limit_m)).collect(),
+            pushes: vec![F64x1::zero(); n],
+            slips: vec![Vector::zero(); n],
+            is_borne: vec![false; n],
+            seen: vec![Seen::not_yet(); n],
+            idle_m: F64x1::zero(),
+            near: Vec::new(),
+            bearings: Vec::new(),
+        }
+    }
+
     /// What is not near does not touch before it has gone as far as it was looked for, however flat the surface.
     #[test]
     fn who_is_not_near_cannot_touch_within_the_margin() {
@@ -382,22 +443,58 @@ mod tests {
         };
         for k in 0..30 * 30 {
             let place = Vec3::new(f64::from(k % 30), 0.0, f64::from(k / 30)) * 0.01;
-            let mut touchable = Touchable {
-                collider: 0,
-                limits_m: vec![F64x1::splat(limit_m)],
-                pushes: vec![F64x1::zero()],
-                slips: vec![Vector::zero()],
-                is_borne: vec![false],
-                seen: vec![Seen::not_yet()],
-                near: Vec::new(),
-            };
-            touchable.look(&moving, [Vector::splat(place)].into_iter(), F64x1::splat(margin_m), false);
+            let mut touchable = touchable_at(&[limit_m]);
+            let (margin, zero) = (F64x1::splat(margin_m), F64x1::zero());
+            touchable.look(&moving, [Vector::splat(place)].into_iter(), (margin, zero), false);
             for way in 0..if touchable.near.is_empty() { 64 } else { 0 } {
                 let (sin, cos) = libm::sincos(f64::from(way) / 64.0 * std::f64::consts::TAU);
                 let gap_m = surface.gap(place + Vec3::new(cos, 0.0, sin) * margin_m).distance_m;
                 assert!(gap_m > limit_m, "{place} {way}: {gap_m}");
             }
         }
+    }
+
+    /// Points that go to and fro are near whenever they are within the margin, though they are not always looked at.
+    #[test]
+    fn who_is_near_is_seen_whoever_was_idle() {
+        let zero = Vec3::zeros();
+        let surface =
+            Surface::new(&Shape::Ellipsoid { center_m: zero, half_axes_m: Vec3::new(0.1, 0.03, 0.1) });
+        let moving = MovingSurface {
+            surface: surface.clone(),
+            velocity: zero,
+            angular_velocity: zero,
+            own_from_head: None,
+        };
+        let (limits_m, margin_m) = ([0.004, 0.006], F64x1::splat(0.01));
+        let mut touchable = touchable_at(&limits_m);
+        let (mut n_looked, mut n_near) = (0, 0);
+        let places = |k: u32| {
+            let far = |rate: f64| 0.2 + 0.17 * libm::sin(rate * f64::from(k));
+            [Vec3::new(0.0, far(0.011), 0.03), Vec3::new(0.02, 0.01, -far(0.007) - 0.08)]
+        };
+        let mut before = places(0);
+        for k in 0..3000 {
+            let now = places(k);
+            let went_m = (0..2).map(|p| (now[p] - before[p]).norm()).fold(0.0, f64::max);
+            let seen = touchable.seen.clone();
+            let points = now.map(Vector::splat).into_iter();
+            touchable.look(&moving, points, (margin_m, F64x1::splat(went_m)), false);
+            let is_near = |p: &usize| surface.gap(now[*p]).distance_m - limits_m[*p] <= 0.01;
+            for p in (0..2).filter(is_near) {
+                assert!(touchable.near.iter().any(|near| near.stick == p), "{k} {p}");
+                n_near += 1;
+            }
+            n_looked += usize::from((0..2).any(|p| touchable.seen[p].room_m.get(0) != seen[p].room_m.get(0)));
+            before = now;
+        }
+        assert!(n_near > 300 && n_looked < 2000, "{n_near} near, looked at in {n_looked} steps");
+        // Looked at first, then known to be far.
+        for went_m in [2.0, 0.0] {
+            let far = [Vec3::repeat(0.5), Vec3::repeat(-0.5)].map(Vector::splat);
+            touchable.look(&moving, far.into_iter(), (margin_m, F64x1::splat(went_m)), false);
+        }
+        assert!(touchable.idle_m.get(0) > 0.1, "{}", touchable.idle_m.get(0));
     }
 
     /// A pull of one both ways, of a point of 0.1 g that slides at a speed, m/s, both ways and comes at another.

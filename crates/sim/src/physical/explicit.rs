@@ -239,14 +239,16 @@ impl<L: Lane> Batch<L> {
             per_h: L::one(),
             dt: L::zero(),
         };
+        // How far points have gone nobody says here.
+        self.went_m = L::splat(f64::INFINITY);
         self.look(work, now, L::zero(), false);
         for touchable in &mut self.touchable {
             let moving = &now.surfaces[touchable.collider];
             touchable.feel(model, moving, |stick| felt(&work[stick]), firmness);
-            for near in &touchable.near {
-                let work = &mut work[near.stick];
-                work.slope += near.bearing.slope;
-                work.hessian.add_scaled(&near.bearing.hessian, later);
+            for (stick, bearing) in touchable.touched() {
+                let work = &mut work[stick];
+                work.slope += bearing.slope;
+                work.hessian.add_scaled(&bearing.hessian, later);
             }
         }
     }

@@ -5,9 +5,8 @@ use super::contact::Touchable;
 use super::link::{State, Unwinding, Work};
 use super::newton::{Weights, sweep_outwards};
 use super::scene::{Carry, Now};
-use crate::wind::sample;
+use crate::wind::feel_at_middles;
 use tousle_core::{Pose, Vec3};
-use tousle_field::SAMPLED_AT_ONCE;
 use tousle_lanes::{Lane, Matrix, Placing, Turn, Vector};
 use tousle_rod::DragLaw;
 
@@ -170,6 +169,7 @@ impl<L: Lane> Batch<L> {
         let measures = self.n_moved.is_multiple_of(MEASURED_EVERY);
         // How far points may still go before contacts that were not looked for could be felt.
         let mut room_m = if self.touchable.is_empty() { weights.h.same(f64::INFINITY) } else { -one };
+        self.went_m += way_m;
         for updates in 0.. {
             if zero.any_above(room_m) {
                 let looks = |yes: L, no: L| zero.above(room_m, yes, no);
@@ -204,7 +204,9 @@ impl<L: Lane> Batch<L> {
             let way = active * weights.h.same(share_of_way(updates));
             moved2_before = moved2;
             moved2 = sweep_outwards(self.root, &self.links, work, way);
-            room_m -= moved2.sqrt() * way;
+            let went_m = moved2.sqrt() * way;
+            room_m -= went_m;
+            self.went_m += went_m;
         }
     }
 
@@ -276,23 +278,12 @@ impl<L: Lane> Batch<L> {
             work.iter_mut().for_each(|work| work.wind = Vector::none(self.contact_give));
             return;
         };
-        let half = self.contact_give.same(0.5);
-        let mut before = self.root;
-        let mut points = [[0.0; SAMPLED_AT_ONCE]; 3];
-        let n_together = SAMPLED_AT_ONCE / L::N;
-        for (chunk, sticks) in work.chunks_mut(n_together).enumerate() {
-            for (k, work) in sticks.iter().enumerate() {
-                ((before + work.place) * half).put_single(&mut points, k * L::N);
-                before = work.place;
-            }
-            let winds = sample(wind, &points);
-            for (k, work) in sticks.iter_mut().enumerate() {
-                let found = Vector::of_single(self.contact_give, &winds, k * L::N);
-                let stick = chunk * n_together + k;
-                work.wind = model.force_law.as_ref().map_or(found, |law| {
-                    Vector::from_fn(|lane| self.wind_of_force(law, (stick, lane), found.get(lane)))
-                });
-            }
+        let end = |work: &Work<L>| work.place;
+        match &model.force_law {
+            None => feel_at_middles(wind, self.root, work, end, |_, work, found| work.wind = found),
+            Some(law) => feel_at_middles(wind, self.root, work, end, |stick, work, found| {
+                work.wind = Vector::from_fn(|lane| self.wind_of_force(law, (stick, lane), found.get(lane)));
+            }),
         }
     }
 

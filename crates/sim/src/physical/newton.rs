@@ -7,7 +7,7 @@
 //! the air and the surfaces at the step's end in it.
 
 use super::batch::{Batch, Model};
-use super::contact::Firmness;
+use super::contact::{Firmness, Touchable};
 use super::drag::{Push, push};
 use super::link::{Bending, Link, Work};
 use super::scene::Now;
@@ -65,7 +65,8 @@ pub(super) fn bend_joint<L: Lane>(before: Turn<L>, work: &Work<L>) -> Bending<L>
 
 impl<L: Lane> Batch<L> {
     /// Forces on every point and joint, and their derivatives. Here no stick waits for another: a processor works on some
-    /// at a time, which it could not while a sweep goes from one to the next.
+    /// at a time, which it could not while a sweep goes from one to the next; and on the more, the less there is to do for each.
+    /// So points come first, then joints.
     #[inline(always)]
     pub(super) fn load_sticks(
         &self,
@@ -74,22 +75,32 @@ impl<L: Lane> Batch<L> {
         now: &Now<'_>,
         weights: &Weights<L>,
     ) {
+        self.load_points(work, model, self.root_velocity(now) * weights.h, weights);
+        let mut turn_before = self.root_turn;
+        for work in &mut *work {
+            work.joint = bend_joint(turn_before, work);
+            turn_before = work.turn;
+        }
+        for (stick, bearing) in self.touchable.iter().flat_map(Touchable::touched) {
+            work[stick].touch(bearing);
+        }
+    }
+
+    /// Inertia, and what the air does.
+    #[inline(always)]
+    fn load_points(&self, work: &mut [Work<L>], model: &Model, root_way: Vector<L>, weights: &Weights<L>) {
         let (along, half) = (weights.h.same(model.along), weights.h.same(0.5));
         let half_per_h = half * weights.per_h;
-        let root_way = self.root_velocity(now) * weights.h;
         // The air on the stick further out, of which a half acts here.
         let mut air = Push::none(weights.h);
         for j in (0..work.len()).rev() {
             let (inner, outer) = work.split_at_mut(j);
             let (link, here) = (&self.links[j], &mut outer[0]);
-            let (turn_before, way_before) = match inner.last() {
-                Some(before) => (before.turn, before.way()),
-                None => (self.root_turn, root_way),
-            };
             let inertia = link.mass * weights.per_h2;
             here.slope = (here.place - here.drifting) * inertia;
             here.hessian = Symmetric::scaled_identity(inertia);
             if model.air {
+                let way_before = inner.last().map_or(root_way, Work::way);
                 let wind = (way_before + here.way()).mul_add(-half_per_h, here.wind);
                 let push = push(link, along, here.direction, wind);
                 here.slope = (push.force + air.force).mul_add(-half, here.slope);
@@ -99,10 +110,6 @@ impl<L: Lane> Batch<L> {
             } else if model.pushes {
                 here.slope -= here.wind * link.mass;
             }
-            here.joint = bend_joint(turn_before, here);
-        }
-        for near in self.touchable.iter().flat_map(|touchable| &touchable.near) {
-            work[near.stick].touch(&near.bearing);
         }
     }
 
