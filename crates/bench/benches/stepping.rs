@@ -17,7 +17,7 @@ use tousle_bench::worlds::{gusts, mannequin, wig};
 use tousle_core::{Body, NoProgress};
 use tousle_field::{FieldSequence, Moment, Reading, SAMPLED_AT_ONCE, Sampler, Scene};
 use tousle_lanes::{Lane, NullaryFnOnce, Registers, WithLanes};
-use tousle_sim::{Method, Precision, SimOptions, Simulator, TimeMode, simulate};
+use tousle_sim::{Frame, Method, Precision, SimOptions, Simulator, TimeMode, simulate};
 
 fn main() {
     divan::main();
@@ -78,6 +78,20 @@ impl Run {
         });
     }
 
+    /// All steps of strands that are prepared, each frame into a sink.
+    fn step_into_sink(self, bencher: Bencher<'_, '_>, options: SimOptions) {
+        let (scene, groom) = (mannequin(), wig(self.strands, N_POINTS));
+        let options = self.options(self.steps, options);
+        let simulator = Simulator::new(&WIND, &scene, &groom, &options).expect("a sound world");
+        self.measure(bencher, self.steps, || {
+            let mut sink = |frame: Frame<'_>| {
+                black_box(frame);
+                Ok(())
+            };
+            black_box(simulator.simulate_into(&[], &mut sink, &NoProgress).expect("a sound world"));
+        });
+    }
+
     /// A whole run of one step.
     fn prepare(self, bencher: Bencher<'_, '_>, method: Method) {
         let (scene, groom) = (mannequin(), wig(self.strands, N_POINTS));
@@ -97,6 +111,27 @@ fn physical(bencher: Bencher<'_, '_>, run: Run) {
 fn physical_single(bencher: Bencher<'_, '_>, run: Run) {
     let options = SimOptions { precision: Precision::Single, ..SimOptions::of(Method::Physical) };
     run.step(bencher, &mannequin(), options);
+}
+
+/// Runs of some seconds: how strands are put side by side at the beginning counts for little, as in a shot.
+const RUNS_OF_SECONDS: [Run; 6] = [
+    Run { strands: 1_000, steps: 600, threads: 1 },
+    Run { strands: 1_000, steps: 600, threads: 2 },
+    Run { strands: 10_000, steps: 300, threads: 1 },
+    Run { strands: 10_000, steps: 300, threads: 2 },
+    Run { strands: 100_000, steps: 300, threads: 1 },
+    Run { strands: 100_000, steps: 300, threads: 2 },
+];
+
+#[divan::bench(args = RUNS_OF_SECONDS, max_time = 12, min_time = 1)]
+fn physical_into_sink(bencher: Bencher<'_, '_>, run: Run) {
+    run.step_into_sink(bencher, SimOptions::of(Method::Physical));
+}
+
+#[divan::bench(args = RUNS_OF_SECONDS, max_time = 12, min_time = 1)]
+fn physical_single_into_sink(bencher: Bencher<'_, '_>, run: Run) {
+    let options = SimOptions { precision: Precision::Single, ..SimOptions::of(Method::Physical) };
+    run.step_into_sink(bencher, options);
 }
 
 /// Without body: nothing to touch, beside a head that stands still and a field without edits.

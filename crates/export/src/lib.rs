@@ -19,7 +19,7 @@ mod vdb;
 
 pub use error::ExportError;
 pub use npz::{
-    FieldNpzOptions, NpzError, ReadField, read_field_npz, read_field_npz_with, read_motion_npz,
+    FieldNpzOptions, MotionNpz, NpzError, ReadField, read_field_npz, read_field_npz_with, read_motion_npz,
     read_numbers_npz, read_poses_npz, write_field_npz, write_motion_npz, write_numbered_motion_npz,
     write_poses_npz,
 };

@@ -19,7 +19,7 @@ mod writer;
 pub(crate) use dtype::half;
 pub use error::NpzError;
 pub use field::write_field_npz;
-pub use motion::{read_motion_npz, write_motion_npz, write_numbered_motion_npz};
+pub use motion::{MotionNpz, read_motion_npz, write_motion_npz, write_numbered_motion_npz};
 pub use numbers::read_numbers_npz;
 pub use poses::{read_poses_npz, write_poses_npz};
 pub(crate) use read_field::mean_of_faces;

@@ -6,8 +6,8 @@ use std::io::{Cursor, Write};
 
 use tousle_core::{Quantity, StrandMotion, Vec3};
 use tousle_export::{
-    FieldNpzOptions, NpzError, read_field_npz, read_field_npz_with, read_motion_npz, write_field_npz,
-    write_motion_npz,
+    FieldNpzOptions, MotionNpz, NpzError, read_field_npz, read_field_npz_with, read_motion_npz,
+    write_field_npz, write_motion_npz, write_numbered_motion_npz,
 };
 use tousle_field::{Ease, Field, FieldLayer, FieldSequence, GridSpec, Handle, LayerOrigin, VoxelFlag};
 
@@ -90,6 +90,39 @@ fn a_motion_comes_back_and_its_bytes_are_always_the_same() {
     let bytes = bytes_of(|out| write_motion_npz(&motion(), out).unwrap());
     assert_eq!(read_motion_npz(&bytes).unwrap(), motion());
     assert_eq!(bytes, bytes_of(|out| write_motion_npz(&motion(), out).unwrap()));
+}
+
+#[test]
+fn frames_one_by_one_make_the_same_archive() {
+    let motion = motion();
+    let numbers = [3, 7];
+    for numbers in [None, Some(&numbers[..])] {
+        let put = |out: &mut Cursor<Vec<u8>>, frames: &[usize]| {
+            let mut npz = MotionNpz::begin(&motion.counts, &motion.times_secs, numbers, out)?;
+            frames.iter().try_for_each(|frame| npz.put(motion.frame(*frame)))?;
+            npz.finish()
+        };
+        let all: Vec<usize> = (0..motion.times_secs.len()).collect();
+        let whole = bytes_of(|out| match numbers {
+            None => write_motion_npz(&motion, out).unwrap(),
+            Some(numbers) => write_numbered_motion_npz(&motion, numbers, out).unwrap(),
+        });
+        assert!(bytes_of(|out| put(out, &all).unwrap()) == whole);
+        // Neither a frame too few nor one too many.
+        let error = |frames: &[usize]| put(&mut Cursor::new(Vec::new()), frames).unwrap_err().to_string();
+        let (n, one_more) = (all.len(), [&all[..], &[0]].concat());
+        assert_eq!(error(&all[1..]), format!("the motion: found {} frames, expected {n}", n - 1));
+        let points = motion.n_points();
+        assert_eq!(
+            error(&one_more),
+            format!(
+                "the motion: found {points} points in frame {n}, expected {points} in each of {n} frames"
+            )
+        );
+    }
+    let one = [1];
+    let error = MotionNpz::begin(&motion.counts, &motion.times_secs, Some(&one), Cursor::new(Vec::new()));
+    assert_eq!(error.unwrap_err().to_string(), "the motion: found 1 numbers of strands, expected 2");
 }
 
 #[test]

@@ -76,7 +76,7 @@ pub fn surfaces_at(
     times_secs: &[f64],
 ) -> Result<Vec<Vec<Surface>>, SimError> {
     check::check_scene(scene, options)?;
-    let timeline = Timeline::new(field, scene, options, 0)?;
+    let timeline = Timeline::new(field, scene, options)?;
     let at = |secs: &f64| Surface::of_body(&scene.body, &timeline.torso_at(*secs));
     Ok(times_secs.iter().map(at).collect())
 }

@@ -133,14 +133,24 @@ impl<'a, M: Mechanics> Ready<'a, M> {
     }
 
     fn new(setting: Setting<'a>, side_by_side: SideBySide<M>) -> Result<Self, SimError> {
-        let Setting { field, scene, groom, options, .. } = setting;
-        let mut timeline = Timeline::new(field, scene, options, groom.n_points())?;
+        let Setting { field, scene, options, .. } = setting;
+        let mut timeline = Timeline::new(field, scene, options)?;
         timeline.cut(options.dt_secs, SimOptions::DEFAULT_DT_SECS)?;
         let (_, precision) = M::lanes(options);
         stability::check_digits(precision, timeline.dt_secs(), M::SHORTEST_SINGLE_SECS)?;
         let strands = M::prepare(&setting, &timeline);
         let sampler = within_reach(Sampler::new(field, M::is_solid(scene)), strands.iter().map(|p| &p.lock));
         Ok(Self { setting, timeline, sampler, strands, side_by_side })
+    }
+
+    /// The run under some layers, whose motion is held.
+    fn held_under<'b>(&self, layers: &'b [FieldLayer], runs: Runs) -> Result<Run<'b, M>, SimError>
+    where
+        'a: 'b,
+    {
+        let Setting { groom, options, .. } = self.setting;
+        self.timeline.check_held(options, groom.n_points())?;
+        self.under(layers, runs)
     }
 
     /// The run under some layers.
@@ -258,7 +268,7 @@ impl<M: Mechanics> Resident for Ready<'_, M> {
         runs: Runs,
     ) -> Result<Simulation, SimError> {
         let groom = self.setting.groom;
-        let run = self.under(layers, runs)?;
+        let run = self.held_under(layers, runs)?;
         let all: Vec<usize> = (0..self.strands.len()).collect();
         let spans = (run.timeline.n_frames, run.timeline.n_steps());
         let order = order(&self.strands, &all);
@@ -310,7 +320,7 @@ impl<M: Mechanics> Resident for Ready<'_, M> {
     }
 
     fn run_some(&self, layers: &[FieldLayer], strands: &[usize]) -> Result<Vec<[f32; 3]>, SimError> {
-        let run = self.under(layers, Runs::Again)?;
+        let run = self.held_under(layers, Runs::Again)?;
         let mut moving = self.at_rest(&run, strands);
         Ok(self.move_all(&run, strands, moving.as_mut(), &NoProgress))
     }
@@ -321,7 +331,7 @@ impl<M: Mechanics> Resident for Ready<'_, M> {
         strands: &[usize],
         progress: &dyn Progress,
     ) -> Result<(Vec<[f32; 3]>, Whereabouts), SimError> {
-        let run = self.under(layers, Runs::Again)?;
+        let run = self.held_under(layers, Runs::Again)?;
         let mut moving = self.at_rest(&run, strands);
         moving.keep_asked();
         let positions_m = self.move_all(&run, strands, moving.as_mut(), progress);

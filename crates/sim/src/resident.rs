@@ -129,6 +129,19 @@ impl<'a> Simulator<'a> {
         self.ready.run_into(layers, sink, progress, Runs::Again)
     }
 
+    /// [`Simulator::simulate_into`] where it is not run again, as [`Simulator::simulate_once`].
+    ///
+    /// # Errors
+    /// As [`Simulator::simulate_into`].
+    pub fn simulate_once_into(
+        &self,
+        layers: &[FieldLayer],
+        sink: &mut FrameSink<'_>,
+        progress: &dyn Progress,
+    ) -> Result<SimReport, SimError> {
+        self.ready.run_into(layers, sink, progress, Runs::Once)
+    }
+
     /// How a run under some layers is cut into steps.
     ///
     /// # Errors

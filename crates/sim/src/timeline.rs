@@ -62,7 +62,7 @@ pub(crate) struct StrongestPull {
     pub per_meter: f64,
 }
 
-/// The most frames, steps a frame and control points in all frames: 12 GB of result.
+/// The most frames, steps a frame, and control points in all frames of a motion that is held: 12 GB.
 const MAX_FRAMES: f64 = 1e7;
 const MAX_STEPS_PER_FRAME: f64 = 1e6;
 const MAX_POSITIONS: f64 = 1e9;
@@ -101,13 +101,30 @@ impl StepScene<'_> {
     }
 }
 
+/// Refuses what gives more frames than there can be: of the rate and the time the one that is not usual.
+fn check_frames(
+    options: &SimOptions,
+    duration_secs: f64,
+    can_be: impl Fn(f64) -> bool,
+    expected: &'static str,
+) -> Result<(), SimError> {
+    if can_be(n_frames(duration_secs, options.rate_hz)) {
+        return Ok(());
+    }
+    // A time that nobody gave, or that would do at the usual rate, is not what is wrong.
+    let is_rate =
+        options.duration_secs.is_none() || can_be(n_frames(duration_secs, SimOptions::default().rate_hz));
+    let (option, found) =
+        if is_rate { ("rate_hz", options.rate_hz) } else { ("duration_secs", duration_secs) };
+    Err(bad_option(option, found, expected))
+}
+
 impl<'a> Timeline<'a> {
-    /// The timeline of a run over `n_points` control points, without layers and with one step a frame.
+    /// The timeline of a run without layers and with one step a frame.
     pub fn new(
         field: &'a FieldSequence,
         scene: &'a Scene,
         options: &'a SimOptions,
-        n_points: usize,
     ) -> Result<Self, SimError> {
         check_above_zero("rate_hz", options.rate_hz)?;
         let start_secs = options.start_secs.unwrap_or(field.start_secs);
@@ -119,18 +136,8 @@ impl<'a> Timeline<'a> {
         if !(duration_secs.is_finite() && duration_secs >= 0.0) {
             return Err(bad_option("duration_secs", duration_secs, "0 or a number above"));
         }
-        let is_too_many = |n_frames: f64| n_frames > MAX_FRAMES || n_frames * n_points as f64 > MAX_POSITIONS;
         let n_frames = n_frames(duration_secs, options.rate_hz);
-        if is_too_many(n_frames) {
-            let expected = "at most 1e7 frames, and 1e9 positions of control points in them";
-            // A time that nobody gave, or that would do at the usual rate, is not what is wrong.
-            let usual_hz = SimOptions::default().rate_hz;
-            let is_rate =
-                options.duration_secs.is_none() || !is_too_many(self::n_frames(duration_secs, usual_hz));
-            let (option, found) =
-                if is_rate { ("rate_hz", options.rate_hz) } else { ("duration_secs", duration_secs) };
-            return Err(bad_option(option, found, expected));
-        }
+        check_frames(options, duration_secs, |n_frames| n_frames <= MAX_FRAMES, "at most 1e7 frames")?;
         let head = Head::new(scene, options);
         Ok(Self {
             field,
@@ -145,6 +152,13 @@ impl<'a> Timeline<'a> {
             n_frames: n_frames as usize,
             steps_per_frame: 1,
         })
+    }
+
+    /// Refuses a motion that is too large to be held, of so many control points.
+    pub fn check_held(&self, options: &SimOptions, n_points: usize) -> Result<(), SimError> {
+        let duration_secs = (self.n_frames - 1) as f64 / self.rate_hz;
+        let can_be = |n_frames: f64| n_frames * n_points as f64 <= MAX_POSITIONS;
+        check_frames(options, duration_secs, can_be, "at most 1e9 positions of control points in all frames")
     }
 
     /// The same with layers on the field.

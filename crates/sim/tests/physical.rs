@@ -7,9 +7,9 @@ use common::{
     DOWN, farthest, mannequin, over_the_head, physical, run, still_air, straight, strand, track, uniform,
     vacuum,
 };
-use tousle_core::{Pose, PoseTrack, Quantity, Strand, Vec3};
+use tousle_core::{NoProgress, Pose, PoseTrack, Quantity, Strand, Vec3};
 use tousle_field::Scene;
-use tousle_sim::{Integrator, Method, Precision, SimError, SimOptions, TimeMode};
+use tousle_sim::{Frame, Integrator, Method, Precision, SimError, SimOptions, Simulator, TimeMode};
 
 fn no_wind() -> tousle_field::FieldSequence {
     uniform(Quantity::AirVelocity, 30.0, &[Vec3::zeros()])
@@ -493,6 +493,15 @@ fn what_cannot_be_is_refused() {
     assert_eq!(frames(1e9, 1.0), "rate_hz");
     assert_eq!(frames(60.0, 1e9), "duration_secs");
     assert_eq!(frames(1e-9, 1.0), "rate_hz", "steps that nobody gave are not what is wrong");
+    // What goes frame by frame into a sink may be longer than what is held.
+    let hour = SimOptions { duration_secs: Some(3600.0), ..SimOptions::default() };
+    let (field, scene, hair) = (still_air(), mannequin(), tousle_bench::worlds::wig(400, 16));
+    let simulator = Simulator::new(&field, &scene, &hair, &hour).unwrap();
+    let held = simulator.simulate(&[], &NoProgress);
+    assert!(matches!(held, Err(SimError::BadOption { option: "duration_secs", .. })), "{held:?}");
+    let mut to_frame_3 = |frame: Frame<'_>| if frame.number < 3 { Ok(()) } else { Err("enough".into()) };
+    let run = simulator.simulate_into(&[], &mut to_frame_3, &NoProgress);
+    assert!(matches!(run, Err(SimError::Sink(_))), "{run:?}");
     let single = |rate_hz: f64| SimOptions {
         precision: Precision::Single,
         ..physical(Integrator::Implicit, 1.0 / rate_hz, 0.1)

@@ -10,7 +10,8 @@ use crate::args::{ShapeArg, SimulateArgs};
 use crate::ui::{Outcome, WrongArgument};
 use guided::Simulated;
 use resume::Resumable;
-use tousle_core::Quantity;
+use std::path::Path;
+use tousle_core::{Groom, Quantity};
 use tousle_eff::{Eff, Part, ReadOptions, Reader};
 use tousle_export::{HairGeometry, UsdOptions};
 use tousle_field::Scene;
@@ -52,20 +53,26 @@ fn simulate(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
         assumed.extend(head.assumed);
     }
     let resumable = Resumable::open(args, &options)?;
-    let mut simulated = guided::simulate(&eff, &groom, &options, args, resumable.as_ref(), watch)?;
+    let mut outputs = Outputs::default();
+    let mut simulated = if let Some(output) = only_npz(args) {
+        outputs.add(output, |out| guided::simulate_into(&eff, (&groom, &numbers), &options, out, watch))??
+    } else {
+        let (simulated, motion) = guided::simulate(&eff, &groom, &options, args, resumable.as_ref(), watch)?;
+        let poses = options.head.clone().unwrap_or_else(|| eff.scene.poses.clone());
+        let scene = Scene { poses, ..eff.scene.clone() };
+        let mut usd = usd_options(&scene, args.shape.unwrap_or(ShapeArg::Curves));
+        usd.with_body = args.with_body;
+        usd.rate_hz = Some(args.rate_hz);
+        for output in &args.output {
+            outputs.add(output, |out| match ending(output).as_str() {
+                "npz" => tousle_export::write_numbered_motion_npz(&motion, &numbers, out),
+                _ => tousle_export::write_motion_usda(&motion, &groom, &usd, out),
+            })?;
+        }
+        simulated
+    };
     simulated.report.assumed.extend(assumed);
     simulated.report.plan.insert(0, plan);
-    let scene = Scene { poses: options.head.unwrap_or_else(|| eff.scene.poses.clone()), ..eff.scene.clone() };
-    let mut usd = usd_options(&scene, args.shape.unwrap_or(ShapeArg::Curves));
-    usd.with_body = args.with_body;
-    usd.rate_hz = Some(args.rate_hz);
-    let mut outputs = Outputs::default();
-    for output in &args.output {
-        outputs.add(output, |out| match ending(output).as_str() {
-            "npz" => tousle_export::write_numbered_motion_npz(&simulated.motion, &numbers, out),
-            _ => tousle_export::write_motion_usda(&simulated.motion, &groom, &usd, out),
-        })?;
-    }
     outputs.appear()?;
     if let Some(resumable) = resumable {
         resumable.remove()?;
@@ -73,12 +80,21 @@ fn simulate(args: &SimulateArgs, watch: &dyn Watch) -> anyhow::Result<Outcome> {
     if args.json {
         print_json(&simulated)?;
     } else {
-        say!("{}", summary(&simulated, args.explain));
+        say!("{}", summary(&simulated, &groom, args.explain));
         for output in &args.output {
             sayln!("wrote {}", output.display());
         }
     }
     Ok(Outcome::Fine)
+}
+
+/// The only output, if its frames can go there one by one as they are made: a `.usda` says first how far the hair ever gets, strands
+/// that follow wait for all frames of their guides, and parts that are kept have all of theirs.
+fn only_npz(args: &SimulateArgs) -> Option<&Path> {
+    match args.output.as_slice() {
+        [output] if ending(output) == "npz" && args.guides.is_none() && args.resume.is_none() => Some(output),
+        _ => None,
+    }
 }
 
 /// Refuses outputs that cannot be, and options that do nothing.
@@ -175,17 +191,17 @@ pub fn usd_options(scene: &Scene, shape: ShapeArg) -> UsdOptions<'_> {
 }
 
 /// What was done, for a person.
-fn summary(simulated: &Simulated, explain: bool) -> String {
+fn summary(simulated: &Simulated, groom: &Groom, explain: bool) -> String {
     use std::fmt::Write;
-    let Simulated { motion, report, guides } = simulated;
+    let Simulated { n_frames, report, guides } = simulated;
     let mut text = String::new();
-    let (n_strands, n_points, n_frames) = (motion.counts.len(), motion.n_points(), motion.times_secs.len());
+    let (n_strands, n_points) = (groom.strands.len(), groom.n_points());
     let _ = writeln!(
         text,
         "{}, {n_points} control points, {}; {} (order {}) in {} strand steps of {}{:.3} ms; \
          stretch at most {:.4} %",
         counted(n_strands, "strand"),
-        counted(n_frames, "frame"),
+        counted(*n_frames, "frame"),
         report.integrator.name(),
         report.order,
         report.n_steps,

@@ -1,3 +1,4 @@
+use core::fmt;
 use std::io::{Seek, Write};
 
 use tousle_core::StrandMotion;
@@ -6,7 +7,7 @@ use super::error::NpzError;
 use super::reader::{FINITE, NpzReader, bad_shape, finite_f32};
 use super::writer::NpzWriter;
 use crate::ExportError;
-use crate::motion::check_motion;
+use crate::motion::{check_frame, check_motion, check_times};
 
 /// The most bytes of one array that a motion may have: 4 GiB.
 const MAX_BYTES: u64 = 1 << 32;
@@ -33,11 +34,6 @@ pub fn write_numbered_motion_npz(
     numbers: &[usize],
     out: impl Write + Seek,
 ) -> Result<(), ExportError> {
-    if numbers.len() != motion.counts.len() {
-        let (found, expected) =
-            (format!("{} numbers of strands", numbers.len()), motion.counts.len().to_string());
-        return Err(ExportError::BadMotion { found, expected });
-    }
     write(motion, Some(numbers), out)
 }
 
@@ -47,16 +43,91 @@ fn write(
     out: impl Write + Seek,
 ) -> Result<(), ExportError> {
     check_motion(motion)?;
-    let mut npz = NpzWriter::plain(out);
-    let n_frames = motion.times_secs.len();
-    npz.array("t", &[n_frames], motion.times_secs.iter().copied())?;
-    npz.array("pos", &[n_frames, motion.n_points(), 3], motion.positions_m.iter().flatten().copied())?;
-    npz.array("counts", &[motion.counts.len()], motion.counts.iter().map(|n| *n as i64))?;
-    if let Some(numbers) = numbers {
-        npz.array("strand", &[numbers.len()], numbers.iter().map(|n| *n as i64))?;
+    let mut npz = MotionNpz::begin(&motion.counts, &motion.times_secs, numbers, out)?;
+    for frame in 0..motion.times_secs.len() {
+        npz.put(motion.frame(frame))?;
     }
-    npz.finish()?;
-    Ok(())
+    npz.finish()
+}
+
+/// A motion on its way into a `.npz`, frame by frame, for motions that nobody holds as a whole: the same bytes as
+/// [`write_motion_npz`] or, with numbers, [`write_numbered_motion_npz`].
+pub struct MotionNpz<W: Write + Seek> {
+    npz: NpzWriter<W>,
+    counts: Vec<usize>,
+    numbers: Option<Vec<usize>>,
+    n_frames: usize,
+    n_put: usize,
+}
+
+impl<W: Write + Seek> fmt::Debug for MotionNpz<W> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { n_frames, n_put, .. } = self;
+        f.debug_struct("MotionNpz").field("n_frames", n_frames).field("n_put", n_put).finish_non_exhaustive()
+    }
+}
+
+impl<W: Write + Seek> MotionNpz<W> {
+    /// Begins with what is known before the first frame: control points of each strand, time of each frame, s, and the
+    /// numbers of the strands in the groom's file, if they are to be said.
+    ///
+    /// # Errors
+    /// [`ExportError::BadMotion`] if a time is no number or there is not one number a strand, [`ExportError::Io`] if `out`
+    /// takes no more.
+    pub fn begin(
+        counts: &[usize],
+        times_secs: &[f64],
+        numbers: Option<&[usize]>,
+        out: W,
+    ) -> Result<Self, ExportError> {
+        if let Some(numbers) = numbers.filter(|numbers| numbers.len() != counts.len()) {
+            let (found, expected) =
+                (format!("{} numbers of strands", numbers.len()), counts.len().to_string());
+            return Err(ExportError::BadMotion { found, expected });
+        }
+        check_times(times_secs)?;
+        let n_frames = times_secs.len();
+        let mut npz = NpzWriter::plain(out);
+        npz.array("t", &[n_frames], times_secs.iter().copied())?;
+        npz.begin::<f32>("pos", &[n_frames, counts.iter().sum(), 3])?;
+        let numbers = numbers.map(<[usize]>::to_vec);
+        Ok(Self { npz, counts: counts.to_vec(), numbers, n_frames, n_put: 0 })
+    }
+
+    /// Puts the next frame: positions, head space, m, strand after strand, root first.
+    ///
+    /// # Errors
+    /// [`ExportError::BadMotion`] if it has another number of points than the strands, or one that is not finite, or if all
+    /// frames are there; [`ExportError::Io`] if the sink takes no more.
+    pub fn put(&mut self, positions_m: &[[f32; 3]]) -> Result<(), ExportError> {
+        let n_points: usize = self.counts.iter().sum();
+        if self.n_put == self.n_frames || positions_m.len() != n_points {
+            let found = format!("{} points in frame {}", positions_m.len(), self.n_put);
+            let expected = format!("{n_points} in each of {} frames", self.n_frames);
+            return Err(ExportError::BadMotion { found, expected });
+        }
+        check_frame(self.n_put, positions_m)?;
+        self.npz.go_on(positions_m.iter().flatten().copied())?;
+        self.n_put += 1;
+        Ok(())
+    }
+
+    /// Ends the archive.
+    ///
+    /// # Errors
+    /// [`ExportError::BadMotion`] if a frame is missing, [`ExportError::Io`] if the sink takes no more.
+    pub fn finish(mut self) -> Result<(), ExportError> {
+        if self.n_put < self.n_frames {
+            let (found, expected) = (format!("{} frames", self.n_put), self.n_frames.to_string());
+            return Err(ExportError::BadMotion { found, expected });
+        }
+        self.npz.array("counts", &[self.counts.len()], self.counts.iter().map(|n| *n as i64))?;
+        if let Some(numbers) = &self.numbers {
+            self.npz.array("strand", &[numbers.len()], numbers.iter().map(|n| *n as i64))?;
+        }
+        self.npz.finish()?;
+        Ok(())
+    }
 }
 
 /// Reads what [`write_motion_npz`] writes, and what other programs write by the same names: numbers of any type,

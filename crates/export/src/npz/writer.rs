@@ -63,7 +63,19 @@ impl<W: Write + Seek> NpzWriter<W> {
         shape: &[usize],
         values: impl Iterator<Item = T>,
     ) -> io::Result<()> {
-        self.start(key, T::DTYPE, shape)?;
+        self.begin::<T>(key, shape)?;
+        let n_values = self.go_on(values)?;
+        debug_assert_eq!(n_values, shape.iter().product::<usize>(), "values do not fill the shape of {key}");
+        Ok(())
+    }
+
+    /// Begins an array, first axis slowest, whose values come next, some at a time.
+    pub(crate) fn begin<T: Value>(&mut self, key: &str, shape: &[usize]) -> io::Result<()> {
+        self.start(key, T::DTYPE, shape)
+    }
+
+    /// The next values of the array that was begun last. Out: how many.
+    pub(crate) fn go_on<T: Value>(&mut self, values: impl Iterator<Item = T>) -> io::Result<usize> {
         let mut bytes = Vec::with_capacity(BATCH + 8);
         let mut n_values = 0;
         for value in values {
@@ -74,8 +86,8 @@ impl<W: Write + Seek> NpzWriter<W> {
                 bytes.clear();
             }
         }
-        debug_assert_eq!(n_values, shape.iter().product::<usize>(), "values do not fill the shape of {key}");
-        self.zip.write_all(&bytes)
+        self.zip.write_all(&bytes)?;
+        Ok(n_values)
     }
 
     /// Adds one text.

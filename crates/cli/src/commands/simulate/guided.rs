@@ -5,20 +5,22 @@ use crate::args::SimulateArgs;
 use crate::commands::counted;
 use serde::Serialize;
 use std::fmt;
+use std::io::{Seek, Write};
 use tousle_core::{Groom, Pose, StrandMotion};
 use tousle_eff::Eff;
+use tousle_export::{ExportError, MotionNpz};
 use tousle_field::FieldLayer;
 use tousle_guide::{FollowError, Guides};
 use tousle_pipeline::Watch;
 use tousle_rod::Surface;
-use tousle_sim::{Integrator, Keeper, SimError, SimOptions, SimReport, Simulation, Simulator, Steps};
+use tousle_sim::{Frame, Integrator, Keeper, SimError, SimOptions, SimReport, Simulation, Simulator, Steps};
 
-/// The motion of all strands and how it came about.
+/// How the motion of all strands came about.
 #[derive(Debug, Serialize)]
 pub struct Simulated {
-    /// The motion.
+    /// How many frames it has.
     #[serde(skip)]
-    pub motion: StrandMotion,
+    pub n_frames: usize,
     /// What the simulator says; of the guides, if there are any, but for the stretch, which is that of all strands.
     #[serde(flatten)]
     pub report: SimReport,
@@ -67,6 +69,53 @@ fn warn_of_many_steps(
     Ok(())
 }
 
+/// A simulator of a groom, or of a part of it.
+fn simulator<'a>(
+    Eff { field, scene, .. }: &'a Eff,
+    (groom, part): (&'a Groom, Option<&'a Groom>),
+    options: &'a SimOptions,
+) -> Result<Simulator<'a>, SimError> {
+    let simulator = match part {
+        Some(part) => Simulator::of_part(field, scene, part, groom, options),
+        None => Simulator::new(field, scene, groom, options),
+    }?;
+    warn_of_many_steps(&simulator, &field.layers, options)?;
+    Ok(simulator)
+}
+
+/// Simulates all strands of a groom, frame by frame into a `.npz`: the same bytes as of the motion that [`simulate`] gives, which
+/// nobody holds as a whole. The inner error is the simulation's.
+pub fn simulate_into(
+    eff: &Eff,
+    (groom, numbers): (&Groom, &[usize]),
+    options: &SimOptions,
+    out: impl Write + Seek,
+    watch: &dyn Watch,
+) -> Result<Result<Simulated, SimError>, ExportError> {
+    let simulator = match simulator(eff, (groom, None), options) {
+        Ok(simulator) => simulator,
+        Err(error) => return Ok(Err(error)),
+    };
+    let times_secs = simulator.times_secs();
+    let mut npz = MotionNpz::begin(&groom.counts(), times_secs, Some(numbers), out)?;
+    let mut failed = None;
+    let mut sink = |frame: Frame<'_>| {
+        npz.put(frame.positions_m).map_err(|error| {
+            failed = Some(error);
+            "the file takes no more".into()
+        })
+    };
+    let run = simulator.simulate_once_into(&eff.field.layers, &mut sink, &*watch.stage("simulate"));
+    match (run, failed) {
+        (_, Some(error)) => Err(error),
+        (Err(error), None) => Ok(Err(error)),
+        (Ok(report), None) => {
+            npz.finish()?;
+            Ok(Ok(Simulated { n_frames: times_secs.len(), report, guides: None }))
+        }
+    }
+}
+
 /// Simulates a groom as the arguments want it: whole, or guides that the rest follows.
 pub fn simulate(
     eff: &Eff,
@@ -75,16 +124,11 @@ pub fn simulate(
     args: &SimulateArgs,
     resumable: Option<&Resumable>,
     watch: &dyn Watch,
-) -> anyhow::Result<Simulated> {
+) -> anyhow::Result<(Simulated, StrandMotion)> {
     let run = |stage: &'static str, part: Option<&Groom>| {
         let stage_keeper = resumable.map(|run| run.stage(stage));
         let keeper = stage_keeper.as_ref().map(|stage| stage as &dyn Keeper);
-        let Eff { field, scene, .. } = eff;
-        let simulator = match part {
-            Some(part) => Simulator::of_part(field, scene, part, groom, options),
-            None => Simulator::new(field, scene, groom, options),
-        }?;
-        warn_of_many_steps(&simulator, &eff.field.layers, options)?;
+        let simulator = simulator(eff, (groom, part), options)?;
         simulator.simulate_once(&eff.field.layers, keeper, &*watch.stage(stage))
     };
     let n_guides = args.guides.map(|n| n as usize).filter(|n| *n < groom.strands.len());
@@ -96,7 +140,7 @@ pub fn simulate(
             );
         }
         let Simulation { motion, report } = run("simulate", None)?;
-        return Ok(Simulated { motion, report, guides: None });
+        return Ok((Simulated { n_frames: motion.times_secs.len(), report, guides: None }, motion));
     };
     let guides = tousle_guide::choose(groom, n_guides)?;
     let Simulation { motion, mut report } = run("simulate", Some(&guides.groom(groom)))?;
@@ -114,7 +158,8 @@ pub fn simulate(
     let n_guides = guides.strands().len();
     let report_of_guides =
         GuideReport { n_guides, n_following: groom.strands.len() - n_guides, n_kept_out, error };
-    Ok(Simulated { motion, report, guides: Some(report_of_guides) })
+    let n_frames = motion.times_secs.len();
+    Ok((Simulated { n_frames, report, guides: Some(report_of_guides) }, motion))
 }
 
 impl fmt::Display for GuideReport {
