@@ -31,26 +31,50 @@ impl<'a> Rooms<'_, 'a> {
 }
 
 /// The numbers of a batch's rooms, one room a lane; none for what is not read.
-pub(crate) fn numbers<'r>(rooms: &'r mut [Room<'_>]) -> [&'r mut [f32]; MOST_LANES] {
-    let mut rooms = rooms.iter_mut();
-    core::array::from_fn(|_| match rooms.next() {
-        Some(Some(room)) => room.as_flattened_mut(),
-        _ => &mut [],
-    })
+pub(crate) struct Numbers<'r> {
+    rooms: [&'r mut [f32]; MOST_LANES],
+    /// How many the shortest room has.
+    shortest: usize,
 }
 
-/// Puts the `k`-th points of strands side by side into the [`numbers`] of their rooms.
-#[inline(always)]
-pub(crate) fn put_points<L: Lane>(rooms: &mut [&mut [f32]; MOST_LANES], k: usize, points: Vector<L>) {
-    L::each_point([points.x, points.y, points.z], |lane, point| {
-        let room = &mut rooms[lane];
-        // Four are written at once: where the next point's x will be there is no harm in it.
-        if let Some(place) = room.get_mut(3 * k..3 * k + 4) {
-            place.copy_from_slice(&point);
-        } else if let Some([x, y, z]) = room.get_mut(3 * k..3 * k + 3) {
-            [*x, *y, *z] = [point[0], point[1], point[2]];
+impl<'r> Numbers<'r> {
+    pub fn of(rooms: &'r mut [Room<'_>]) -> Self {
+        let n_rooms = rooms.len();
+        let mut rooms = rooms.iter_mut();
+        let rooms: [&mut [f32]; MOST_LANES] = core::array::from_fn(|_| match rooms.next() {
+            Some(Some(room)) => room.as_flattened_mut(),
+            _ => &mut [],
+        });
+        let shortest = rooms[..n_rooms].iter().map(|room| room.len()).min().unwrap_or(0);
+        Self { rooms, shortest }
+    }
+
+    /// Puts the `k`-th points of strands side by side.
+    #[inline(always)]
+    pub fn put<L: Lane>(&mut self, k: usize, points: Vector<L>) {
+        let first = 3 * k;
+        if first + 4 <= self.shortest {
+            L::each_point([points.x, points.y, points.z], |lane, point| {
+                // Four are written at once: where the next point's x will be there is no harm in it.
+                self.rooms[lane][first..first + 4].copy_from_slice(&point);
+            });
+        } else {
+            let mut rows = [[0.0; MOST_LANES]; 3];
+            points.put_single(&mut rows, 0);
+            self.put_last(first, &rows);
         }
-    });
+    }
+
+    /// Puts points that are the last of some strands, or that only some have.
+    #[cold]
+    #[inline(never)]
+    fn put_last(&mut self, first: usize, rows: &[[f32; MOST_LANES]; 3]) {
+        for (lane, room) in self.rooms.iter_mut().enumerate() {
+            if let Some(place) = room.get_mut(first..first + 3) {
+                place.copy_from_slice(&[rows[0][lane], rows[1][lane], rows[2][lane]]);
+            }
+        }
+    }
 }
 
 /// What frames say of the strands of a batch: by how much sticks are longer or shorter than they are, and whether all points

@@ -1,7 +1,7 @@
 //! The loop over steps and batches.
 
 use crate::extent::{Extent, Region};
-use crate::frames::{Frames, Lengths, Room, Rooms, Seats, numbers, put_points};
+use crate::frames::{Frames, Lengths, Numbers, Room, Rooms, Seats};
 use crate::mechanics::Mechanics;
 use crate::parts::Count;
 use crate::prepared::Prepared;
@@ -377,14 +377,14 @@ impl<M: Mechanics, L: Lane> NullaryFnOnce for Show<'_, '_, M, L> {
     #[inline(always)]
     fn call(self) {
         let Self { batch, lengths, rooms } = self;
-        let rooms = &mut numbers(rooms);
+        let mut numbers = Numbers::of(rooms);
         let mut listener = lengths.listen();
         let mut before = M::root_m(batch).as_single();
-        put_points(rooms, 0, before);
+        numbers.put(0, before);
         M::show_ends_m(batch, |stick, ends| {
             let ends = ends.as_single();
             listener.hear(stick, (before, ends));
-            put_points(rooms, stick + 1, ends);
+            numbers.put(stick + 1, ends);
             before = ends;
         });
         listener.end();
