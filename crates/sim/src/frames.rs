@@ -33,19 +33,18 @@ impl<'a> Rooms<'_, 'a> {
 /// The numbers of a batch's rooms, one room a lane; none for what is not read.
 pub(crate) struct Numbers<'r> {
     rooms: [&'r mut [f32]; MOST_LANES],
-    /// How many the shortest room has.
+    /// How many every lane has room for.
     shortest: usize,
 }
 
 impl<'r> Numbers<'r> {
-    pub fn of(rooms: &'r mut [Room<'_>]) -> Self {
-        let n_rooms = rooms.len();
+    pub fn of<L: Lane>(rooms: &'r mut [Room<'_>]) -> Self {
         let mut rooms = rooms.iter_mut();
         let rooms: [&mut [f32]; MOST_LANES] = core::array::from_fn(|_| match rooms.next() {
             Some(Some(room)) => room.as_flattened_mut(),
             _ => &mut [],
         });
-        let shortest = rooms[..n_rooms].iter().map(|room| room.len()).min().unwrap_or(0);
+        let shortest = rooms[..L::N].iter().map(|room| room.len()).min().unwrap_or(0);
         Self { rooms, shortest }
     }
 

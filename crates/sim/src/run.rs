@@ -377,7 +377,7 @@ impl<M: Mechanics, L: Lane> NullaryFnOnce for Show<'_, '_, M, L> {
     #[inline(always)]
     fn call(self) {
         let Self { batch, lengths, rooms } = self;
-        let mut numbers = Numbers::of(rooms);
+        let mut numbers = Numbers::of::<L>(rooms);
         let mut listener = lengths.listen();
         let mut before = M::root_m(batch).as_single();
         numbers.put(0, before);
