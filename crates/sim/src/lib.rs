@@ -12,6 +12,7 @@ mod frames;
 mod gap;
 mod integrator;
 mod joint;
+mod lengths;
 mod mechanics;
 mod options;
 mod paper;
@@ -30,8 +31,8 @@ mod trace;
 mod wind;
 
 pub use error::SimError;
-pub use frames::max_stretch;
 pub use integrator::Integrator;
+pub use lengths::max_stretch;
 pub use options::{Method, SimOptions, TimeMode, TorsoGrip};
 pub use parts::{Count, Keeper, Part};
 pub use report::{Frame, FrameSink, PlanEntry, SimReport, Simulation, Steps};

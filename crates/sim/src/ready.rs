@@ -435,7 +435,7 @@ impl<M: Mechanics> Stopped<M> {
     ) {
         if self.frame == first {
             let seats = frames.seats(&strands.indices());
-            strands.show(&mut frames.rooms(0..1, &seats));
+            strands.show(&mut frames.rooms(0, 0..1, &seats));
         }
         run.advance(strands.as_mut(), (self.frame, last), &NoProgress, Some((frames, first)));
     }

@@ -1,7 +1,8 @@
 //! The loop over steps and batches.
 
 use crate::extent::{Extent, Region};
-use crate::frames::{Frames, Lengths, Numbers, Room, Rooms, Seats};
+use crate::frames::{BatchRooms, Frames, Numbers, Room, Rooms, Seats};
+use crate::lengths::Lengths;
 use crate::mechanics::Mechanics;
 use crate::parts::Count;
 use crate::prepared::Prepared;
@@ -9,6 +10,7 @@ use crate::stability::Limit;
 use crate::timeline::Timeline;
 use crate::{Precision, SimError};
 use core::fmt::Debug;
+use core::iter::zip;
 use core::marker::PhantomData;
 use core::ops::Range;
 use pulp::NullaryFnOnce;
@@ -128,15 +130,14 @@ impl<M: Mechanics> Run<'_, M> {
         let per_frame = self.timeline.steps_per_frame;
         let block = Block { mechanics: &self.mechanics, begin: steps.start, worlds: &worlds, per_frame };
         let Range { start: next, end } = self.frames_of(steps);
-        let (mut rooms, skipped) = match wanted {
+        let mut rooms = match wanted {
             Some((frames, seats, from)) if from < end => {
                 let begin = usize::max(next, from);
-                (frames.rooms(begin - from..end - from, seats), begin - next)
+                frames.rooms(begin - next, begin - from..end - from, seats)
             }
-            _ => (Vec::new(), 0),
+            _ => Rooms::none(),
         };
-        strands
-            .take_steps(&block, (&mut rooms, skipped), &|n_strands| clock.passed(n_strands * worlds.len()));
+        strands.take_steps(&block, &mut rooms, &|n_strands| clock.passed(n_strands * worlds.len()));
     }
 
     fn block(&self) -> usize {
@@ -180,17 +181,17 @@ pub(crate) trait Abreast<M: Mechanics>: Debug + Send + Sync {
     /// Index of every strand, batch after batch.
     fn indices(&self) -> Vec<Vec<usize>>;
 
-    /// All batches through a block of steps. Into the rooms, batch after batch, go the points of the frames that these
-    /// complete, but for those that are skipped at first. `passed` hears of how many strands are through.
+    /// All batches through a block of steps, and the points of the frames that these complete into the rooms. `passed` hears of how
+    /// many strands are through.
     fn take_steps(
         &mut self,
         block: &Block<'_, '_, M>,
-        rooms: (&mut [Room<'_>], usize),
+        rooms: &mut Rooms<'_>,
         passed: &(dyn Fn(usize) + Sync),
     );
 
     /// Shows where the strands are, as the one frame of some rooms.
-    fn show(&mut self, rooms: &mut [Room<'_>]);
+    fn show(&mut self, rooms: &mut Rooms<'_>);
 
     /// Whether every point that was shown was somewhere.
     fn are_whole(&self) -> bool;
@@ -254,22 +255,23 @@ impl<M: Mechanics, L: Lane> Abreast<M> for Vec<Lanes<M, L>> {
     fn take_steps(
         &mut self,
         block: &Block<'_, '_, M>,
-        (rooms, skipped): (&mut [Room<'_>], usize),
+        rooms: &mut Rooms<'_>,
         passed: &(dyn Fn(usize) + Sync),
     ) {
-        let n_lanes = self.first().map_or(1, |lanes| lanes.strands.len());
-        let mut each = rooms.chunks_mut(usize::max(rooms.len() / self.len().max(1), 1));
-        let rooms: Vec<_> =
-            self.iter().map(|_| Rooms { skipped, n_lanes, rooms: each.next().unwrap_or_default() }).collect();
+        let rooms = rooms.of_batches(self.len());
         self.par_iter_mut().zip(rooms).for_each_init(Vec::new, |work, (lanes, mut rooms)| {
             lanes.take_steps(block, work, &mut rooms);
             passed(lanes.strands.len());
         });
     }
 
-    fn show(&mut self, rooms: &mut [Room<'_>]) {
-        let n_lanes = self.first().map_or(1, |lanes| lanes.strands.len());
-        self.iter_mut().zip(rooms.chunks_mut(n_lanes)).for_each(|(lanes, rooms)| lanes.show(rooms));
+    fn show(&mut self, rooms: &mut Rooms<'_>) {
+        let each = rooms.of_batches(self.len());
+        for (lanes, mut rooms) in zip(self, each) {
+            if let Some(rooms) = rooms.of_frame(0) {
+                lanes.show(rooms);
+            }
+        }
     }
 
     fn are_whole(&self) -> bool {
@@ -334,7 +336,7 @@ impl<M: Mechanics, L: Lane> Lanes<M, L> {
         &mut self,
         block: &Block<'_, '_, M>,
         work: &mut Vec<M::Work<L>>,
-        rooms: &mut Rooms<'_, '_>,
+        rooms: &mut BatchRooms<'_, '_>,
     ) {
         let Block { mechanics, begin, worlds, per_frame } = block;
         let mut n_frames = 0;
