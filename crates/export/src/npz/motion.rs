@@ -44,9 +44,7 @@ fn write(
 ) -> Result<(), ExportError> {
     check_motion(motion)?;
     let mut npz = MotionNpz::begin(&motion.counts, &motion.times_secs, numbers, out)?;
-    for frame in 0..motion.times_secs.len() {
-        npz.put(motion.frame(frame))?;
-    }
+    npz.append(&motion.positions_m, motion.times_secs.len())?;
     npz.finish()
 }
 
@@ -107,8 +105,13 @@ impl<W: Write + Seek> MotionNpz<W> {
             return Err(ExportError::BadMotion { found, expected });
         }
         check_frame(self.n_put, positions_m)?;
+        self.append(positions_m, 1)
+    }
+
+    /// Puts frames that were checked.
+    fn append(&mut self, positions_m: &[[f32; 3]], n_frames: usize) -> Result<(), ExportError> {
         self.npz.go_on(positions_m.iter().flatten().copied())?;
-        self.n_put += 1;
+        self.n_put += n_frames;
         Ok(())
     }
 
