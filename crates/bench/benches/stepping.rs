@@ -210,9 +210,7 @@ impl NullaryFnOnce for Sample<'_, '_> {
 
     #[inline(always)]
     fn call(self) {
-        for (points, vectors) in self.points.iter().zip(self.vectors) {
-            *vectors = self.moment.sample_many(points);
-        }
+        self.moment.sample_all(self.points, self.vectors);
     }
 }
 

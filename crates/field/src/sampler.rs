@@ -5,7 +5,8 @@ mod places;
 use crate::{Field, FieldLayer, FieldSequence, Window};
 use ghosts::{GhostVectors, Ghosts};
 use layers::Placed;
-use places::{FEW, Places, Raw, Voxels, lay_together};
+use places::{Places, Raw, Voxels, lay_together};
+use pulp::{Simd, WithSimd};
 use std::sync::{Arc, OnceLock};
 use tousle_core::Vec3;
 
@@ -135,7 +136,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// The same steps under other layers, for variants that are asked for in turn: of the points given to
-    /// [`Moment::sample_many`], every n-th belongs to the same of n variants and sees its layers beside the common ones; n
+    /// [`Moment::sample_all`], every n-th belongs to the same of n variants and sees its layers beside the common ones; n
     /// divides [`SAMPLED_AT_ONCE`].
     pub fn with_variants(&self, layers: &'a [FieldLayer], variants: &[&'a [FieldLayer]]) -> Self {
         let mut placed = Placed::common(layers);
@@ -282,22 +283,15 @@ impl Moment<'_> {
 
     /// The vectors at points, head space, m, layers included; deep in a head, zero.
     ///
-    /// Inlined into the caller, so that it is compiled for the processor that the caller was dispatched for.
-    #[inline(always)]
+    /// Compiled for the widest registers of the machine it runs on; once, whoever asks.
+    #[inline(never)]
     pub fn sample_all(&self, points_m: &[Rows], vectors: &mut [Rows]) {
-        for (points_m, vectors) in points_m.chunks(FOUND_AHEAD).zip(vectors.chunks_mut(FOUND_AHEAD)) {
-            self.look_up(points_m, vectors);
-            for (placed, presence) in &self.layers {
-                for (points_m, vectors) in points_m.iter().zip(&mut *vectors) {
-                    placed.apply(points_m, *presence, vectors);
-                }
-            }
-        }
+        pulp::Arch::new().dispatch(Sample { moment: self, points_m, vectors });
     }
 
     /// [`Moment::sample_all`] of up to [`FOUND_AHEAD`], layers left out.
     #[inline(always)]
-    fn look_up(&self, points_m: &[Rows], vectors: &mut [Rows]) {
+    fn look_up<S: Simd>(&self, simd: S, points_m: &[Rows], vectors: &mut [Rows]) {
         let window = match &self.source {
             Source::AsTheyLie { .. } => Window::whole(&self.sampler.sequence.grid),
             _ => self.sampler.kept,
@@ -309,12 +303,8 @@ impl Moment<'_> {
         // Loops: what an array's `map` or an iterator's `for_each` is given would be called, compiled for any processor.
         match &self.source {
             Source::Together(voxels) => {
-                let mut firsts = [([0; FEW], 0); FOUND_AHEAD];
-                for (firsts, places) in firsts.iter_mut().zip(&places) {
-                    *firsts = places.first_in_each();
-                }
-                for ((found, places), firsts) in vectors.iter_mut().zip(&places).zip(firsts) {
-                    *found = places.gather(voxels, firsts);
+                for (found, places) in vectors.iter_mut().zip(&places) {
+                    *found = places.gather(simd, voxels);
                 }
             }
             Source::LaidOut { before, after, share } => {
@@ -337,17 +327,35 @@ impl Moment<'_> {
         }
     }
 
-    /// [`Moment::sample_all`] of as many points as are looked up side by side.
-    #[inline(always)]
-    pub fn sample_many(&self, points_m: &Rows) -> Rows {
-        let mut vectors = [[[0.0; WIDTH]; 3]];
-        self.sample_all(core::slice::from_ref(points_m), &mut vectors);
-        vectors[0]
-    }
-
-    /// [`Moment::sample_many`] for a single point.
+    /// [`Moment::sample_all`] for a single point.
     pub fn sample(&self, point_m: [f32; 3]) -> [f32; 3] {
-        self.sample_many(&point_m.map(|c| [c; WIDTH])).map(|component| component[0])
+        let mut vectors = [[[0.0; WIDTH]; 3]];
+        self.sample_all(&[point_m.map(|c| [c; WIDTH])], &mut vectors);
+        vectors[0].map(|component| component[0])
+    }
+}
+
+/// [`Moment::sample_all`], for some registers.
+struct Sample<'a, 'm> {
+    moment: &'a Moment<'m>,
+    points_m: &'a [Rows],
+    vectors: &'a mut [Rows],
+}
+
+impl WithSimd for Sample<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { moment, points_m, vectors } = self;
+        for (points_m, vectors) in points_m.chunks(FOUND_AHEAD).zip(vectors.chunks_mut(FOUND_AHEAD)) {
+            moment.look_up(simd, points_m, vectors);
+            for (placed, presence) in &moment.layers {
+                for (points_m, vectors) in points_m.iter().zip(&mut *vectors) {
+                    placed.apply(points_m, *presence, vectors);
+                }
+            }
+        }
     }
 }
 
@@ -428,7 +436,7 @@ mod tests {
         }
     }
 
-    /// Points that share voxels and points that do not are looked up in other ways, and see the same to the bit.
+    /// Points that share voxels and points that do not are looked up in other ways, and in all registers see the same to the bit.
     #[test]
     fn a_point_does_not_know_who_is_looked_up_beside_it() {
         let grid = GridSpec::cube(0.6, 0.1).unwrap();
@@ -447,6 +455,10 @@ mod tests {
                 let found = together[k / WIDTH].map(|component| component[k % WIDTH]);
                 assert_eq!(found, moment.sample(point(k)), "{spread} {k}");
             }
+            let mut alone = together.clone();
+            let sample = Sample { moment: &moment, points_m: &points, vectors: &mut alone };
+            sample.with_simd(pulp::Scalar::new());
+            assert_eq!(alone, together, "in all registers, {spread}");
         }
     }
 
@@ -476,7 +488,9 @@ mod tests {
         let variants = sampler.with_variants(&common, &[&first, &second]);
         let mut points = [[0.0; WIDTH]; 3];
         points[0][3] = 0.2;
-        let found = variants.at(1.0, Reading::LaidOut).sample_many(&points);
+        let mut found = [[[0.0; WIDTH]; 3]];
+        variants.at(1.0, Reading::LaidOut).sample_all(&[points], &mut found);
+        let found = found[0];
         let found = [0, 1, 2, 3].map(|k| found.map(|component| component[k]));
         assert_eq!(found, [[1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [0.0; 3]]);
         assert_eq!(sampler.with_layers(&common).at(1.0, Reading::LaidOut).sample([0.0; 3]), [0.0, 0.0, 1.0]);

@@ -1,6 +1,6 @@
 //! Asking the field, the same way for every method.
 
-use tousle_field::{Moment, Rows, SAMPLED_AT_ONCE};
+use tousle_field::{Moment, SAMPLED_AT_ONCE};
 use tousle_lanes::{Lane, Vector};
 
 /// How many rows of points are handed to the field at once.
@@ -29,31 +29,10 @@ pub(crate) fn feel_at_middles<L: Lane, W>(
             before = end;
         }
         let n_rows = sticks.len().div_ceil(in_row);
-        sample(moment, &points[..n_rows], &mut vectors[..n_rows]);
+        moment.sample_all(&points[..n_rows], &mut vectors[..n_rows]);
         for (k, stick) in sticks.iter_mut().enumerate() {
             let found = Vector::of_single(half, &vectors[k / in_row], k % in_row * L::N);
             put(chunk * ROWS * in_row + k, stick, found);
         }
-    }
-}
-
-/// [`Moment::sample_all`], compiled for the widest registers of the machine it runs on; once, whatever lanes ask.
-#[inline(never)]
-fn sample(moment: &Moment<'_>, points_m: &[Rows], vectors: &mut [Rows]) {
-    pulp::Arch::new().dispatch(Sample { moment, points_m, vectors });
-}
-
-struct Sample<'a, 'b> {
-    moment: &'a Moment<'b>,
-    points_m: &'a [Rows],
-    vectors: &'a mut [Rows],
-}
-
-impl pulp::NullaryFnOnce for Sample<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.moment.sample_all(self.points_m, self.vectors);
     }
 }

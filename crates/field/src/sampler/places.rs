@@ -2,6 +2,8 @@
 
 use super::WIDTH;
 use super::ghosts::Ghosts;
+use pulp::Simd;
+use pulp::bytemuck::cast_slice;
 
 /// Where some points lie in the grid.
 #[derive(Clone, Copy)]
@@ -75,32 +77,28 @@ impl Pairs for &Raw<'_> {
     }
 }
 
-/// A point behind each of the voxels that points lie behind, and how many these are: [`Places::first_in_each`].
-pub(super) type Firsts = ([usize; FEW], usize);
-
 impl Places {
     /// Nowhere in particular.
     pub const ZERO: Self =
         Self { low: [0; WIDTH], steps: [[0; WIDTH]; 2], shares: [[0.0; WIDTH]; 3], far: [0.0; WIDTH] };
 
-    /// Four pairs of voxels around the `k`-th point: those before it and the next along y, then the same for the next
-    /// along x.
+    /// Four pairs of voxels around the `k`-th point.
     #[inline(always)]
-    fn around(&self, voxels: impl Pairs, k: usize) -> [[f32; 8]; 4] {
+    fn around(&self, voxels: impl Pairs, k: usize) -> Around {
         let (low, step_x, step_y) = (self.low[k], self.steps[0][k], self.steps[1][k]);
-        // Written out: `map` would be a call for each point, of code for any processor.
-        [
-            voxels.pair(low),
-            voxels.pair(low + step_y),
-            voxels.pair(low + step_x),
-            voxels.pair(low + step_x + step_y),
-        ]
+        Around {
+            near: voxels.pair(low),
+            next_y: voxels.pair(low + step_y),
+            next_x: voxels.pair(low + step_x),
+            next_xy: voxels.pair(low + step_x + step_y),
+        }
     }
 
-    /// Vectors between the eight voxels around each point, by components. `firsts`: as [`Places::first_in_each`] finds them.
+    /// Vectors between the eight voxels around each point, by components.
     #[inline(always)]
-    pub fn gather(&self, voxels: &Voxels, (firsts, n): Firsts) -> [[f32; WIDTH]; 3] {
-        if n > FEW { self.point_by_point(voxels) } else { self.voxel_by_voxel(voxels, &firsts[..n]) }
+    pub fn gather<S: Simd>(&self, simd: S, voxels: &Voxels) -> [[f32; WIDTH]; 3] {
+        let mut found = [[0.0; WIDTH]; 3];
+        if self.voxel_by_voxel(simd, voxels, &mut found) { found } else { self.point_by_point(voxels) }
     }
 
     /// [`Places::gather`] of two steps laid together, in the same order for each number.
@@ -108,70 +106,48 @@ impl Places {
     pub fn gather_mixed<P: Pairs>(&self, before: P, after: P, share: f32) -> [[f32; WIDTH]; 3] {
         let mut pairs = [[0.0; 8]; WIDTH];
         for (k, pair) in pairs.iter_mut().enumerate() {
-            let (a, b) = (self.around(before, k), self.around(after, k));
-            let shares = [self.shares[0][k], self.shares[1][k]];
-            for n in 0..8 {
-                pair[n] = among(
-                    mix(a[0][n], b[0][n], share),
-                    mix(a[1][n], b[1][n], share),
-                    mix(a[2][n], b[2][n], share),
-                    mix(a[3][n], b[3][n], share),
-                    shares,
-                );
-            }
+            let around = self.around(before, k).mixed(&self.around(after, k), share);
+            *pair = around.slopes().at([self.shares[0][k], self.shares[1][k]]);
         }
         self.along_z(&pairs)
     }
 
-    /// The first point behind each voxel that has some, and how many these are; if they are more than [`FEW`], not all.
+    /// Vectors of all points behind a voxel at once; says whether these were few enough to find all.
     #[inline(always)]
-    pub fn first_in_each(&self) -> Firsts {
-        let (mut firsts, mut n) = ([0; FEW], 0);
-        // A bit for each point that is behind none of those yet.
-        let mut left: u32 = (1 << WIDTH) - 1;
-        while left != 0 {
-            if n == FEW {
-                return (firsts, FEW + 1);
-            }
-            let first = left.trailing_zeros() as usize % WIDTH;
-            let low = self.low[first];
-            let mut others = 0;
-            for k in 0..WIDTH {
-                others |= u32::from(self.low[k] != low) << k;
-            }
-            left &= others;
-            firsts[n] = first;
-            n += 1;
-        }
-        (firsts, n)
-    }
-
-    /// Vectors of all points behind a voxel at once. `firsts`: a point behind each.
-    #[inline(always)]
-    fn voxel_by_voxel(&self, voxels: &Voxels, firsts: &[usize]) -> [[f32; WIDTH]; 3] {
-        let mut found = [[0.0; WIDTH]; 3];
-        for first in firsts {
-            let (low, step_x, step_y) = (self.low[*first], self.steps[0][*first], self.steps[1][*first]);
-            // Borrowed: what is copied in fours the processor must put together before it reads one of them.
-            let near = pair_of(voxels, low);
-            let next_y = pair_of(voxels, low + step_y);
-            let next_x = pair_of(voxels, low + step_x);
-            let next_xy = pair_of(voxels, low + step_x + step_y);
-            for axis in 0..3 {
-                let [a, b] =
-                    [0, 1].map(|z| [near[z][axis], next_y[z][axis], next_x[z][axis], next_xy[z][axis]]);
-                for (k, found) in found[axis].iter_mut().enumerate() {
-                    let shares = [self.shares[0][k], self.shares[1][k]];
-                    let between = mix(
-                        among(a[0], a[1], a[2], a[3], shares),
-                        among(b[0], b[1], b[2], b[3], shares),
-                        self.shares[2][k],
-                    );
-                    *found = if self.low[k] == low { between } else { *found };
+    fn voxel_by_voxel<S: Simd>(&self, simd: S, voxels: &Voxels, found: &mut [[f32; WIDTH]; 3]) -> bool {
+        // Loops and names: what an array's `map` is given would be called, compiled for any processor.
+        let low = S::as_simd_u32s(&self.low).0;
+        let share_x = S::as_simd_f32s(&self.shares[0]).0;
+        let share_y = S::as_simd_f32s(&self.shares[1]).0;
+        let share_z = S::as_simd_f32s(&self.shares[2]).0;
+        let mut n = 0;
+        for part in 0..WIDTH / S::F32_LANES {
+            let begin = part * S::F32_LANES;
+            let mut left = simd.equal_u32s(low[part], low[part]);
+            let mut first = 0;
+            let mut sums = [simd.splat_f32s(0.0); 3];
+            while first < S::F32_LANES {
+                if n == FEW {
+                    return false;
                 }
+                n += 1;
+                let slopes = self.around(voxels, begin + first).slopes();
+                let here = simd.equal_u32s(low[part], simd.splat_u32s(self.low[begin + first]));
+                let shares = [share_x[part], share_y[part]];
+                for (axis, sum) in sums.iter_mut().enumerate() {
+                    let a = slopes.at_many(simd, axis, shares);
+                    let b = slopes.at_many(simd, 4 + axis, shares);
+                    let between = simd.mul_add_f32s(simd.sub_f32s(b, a), share_z[part], a);
+                    *sum = simd.select_f32s(here, between, *sum);
+                }
+                left = simd.and_m32s(left, simd.not_m32s(here));
+                first = first_true(simd, left);
+            }
+            for (found, sum) in found.iter_mut().zip(sums) {
+                S::as_mut_simd_f32s(found).0[part] = sum;
             }
         }
-        found
+        true
     }
 
     /// The same vectors, to the bit, of one point after another.
@@ -179,11 +155,7 @@ impl Places {
     fn point_by_point(&self, voxels: &Voxels) -> [[f32; WIDTH]; 3] {
         let mut pairs = [[0.0; 8]; WIDTH];
         for (k, pair) in pairs.iter_mut().enumerate() {
-            let around = self.around(voxels, k);
-            let shares = [self.shares[0][k], self.shares[1][k]];
-            for n in 0..8 {
-                pair[n] = among(around[0][n], around[1][n], around[2][n], around[3][n], shares);
-            }
+            *pair = self.around(voxels, k).slopes().at([self.shares[0][k], self.shares[1][k]]);
         }
         self.along_z(&pairs)
     }
@@ -195,7 +167,7 @@ impl Places {
         let mut vectors = [[0.0; 4]; WIDTH];
         for (k, (vector, pair)) in vectors.iter_mut().zip(pairs).enumerate() {
             for axis in 0..4 {
-                vector[axis] = mix(pair[axis], pair[4 + axis], self.shares[2][k]);
+                vector[axis] = (pair[4 + axis] - pair[axis]).mul_add(self.shares[2][k], pair[axis]);
             }
         }
         let mut found = [[0.0; WIDTH]; 3];
@@ -209,12 +181,98 @@ impl Places {
 }
 
 /// Points behind so few voxels are looked up voxel by voxel: strands side by side in a dense hairstyle.
-pub(super) const FEW: usize = 4;
+const FEW: usize = 4;
 
-/// A number between those of four neighbors along x and y.
+/// Pairs of voxels along z: those before a point, the next along y, and the same for the next along x.
+struct Around {
+    near: [f32; 8],
+    next_y: [f32; 8],
+    next_x: [f32; 8],
+    next_xy: [f32; 8],
+}
+
+/// Of each number of a pair: what it is, how it changes along y and along x, and how the one change does along the other.
+struct Slopes {
+    near: [f32; 8],
+    by_y: [f32; 8],
+    by_x: [f32; 8],
+    by_xy: [f32; 8],
+}
+
+impl Around {
+    /// Each number between that of two times.
+    #[inline(always)]
+    fn mixed(&self, after: &Self, share: f32) -> Self {
+        Self {
+            near: mix_all(&self.near, &after.near, share),
+            next_y: mix_all(&self.next_y, &after.next_y, share),
+            next_x: mix_all(&self.next_x, &after.next_x, share),
+            next_xy: mix_all(&self.next_xy, &after.next_xy, share),
+        }
+    }
+
+    #[inline(always)]
+    fn slopes(&self) -> Slopes {
+        let (mut by_y, mut by_x, mut by_xy) = ([0.0; 8], [0.0; 8], [0.0; 8]);
+        for n in 0..8 {
+            by_y[n] = self.next_y[n] - self.near[n];
+            by_x[n] = self.next_x[n] - self.near[n];
+            by_xy[n] = (self.next_xy[n] - self.next_x[n]) - by_y[n];
+        }
+        Slopes { near: self.near, by_y, by_x, by_xy }
+    }
+}
+
+impl Slopes {
+    /// The numbers at shares of the way along x and y.
+    #[inline(always)]
+    fn at(&self, [share_x, share_y]: [f32; 2]) -> [f32; 8] {
+        let Self { near, by_y, by_x, by_xy } = self;
+        let mut at = [0.0; 8];
+        for n in 0..8 {
+            let along_x = by_xy[n].mul_add(share_y, by_x[n]);
+            at[n] = along_x.mul_add(share_x, by_y[n].mul_add(share_y, near[n]));
+        }
+        at
+    }
+
+    /// The `n`-th number at shares of the way along x and y of points side by side.
+    #[inline(always)]
+    fn at_many<S: Simd>(&self, simd: S, n: usize, [share_x, share_y]: [S::f32s; 2]) -> S::f32s {
+        let Self { near, by_y, by_x, by_xy } = self;
+        let along_x = simd.mul_add_f32s(simd.splat_f32s(by_xy[n]), share_y, simd.splat_f32s(by_x[n]));
+        let along_y = simd.mul_add_f32s(simd.splat_f32s(by_y[n]), share_y, simd.splat_f32s(near[n]));
+        simd.mul_add_f32s(along_x, share_x, along_y)
+    }
+}
+
+/// The first of a register's numbers for which something is true; as many as there are if for none.
 #[inline(always)]
-fn among(near: f32, next_y: f32, next_x: f32, next_xy: f32, [share_x, share_y]: [f32; 2]) -> f32 {
-    mix(mix(near, next_y, share_y), mix(next_x, next_xy, share_y), share_x)
+fn first_true<S: Simd>(_simd: S, mask: S::m32s) -> usize {
+    let bytes = pulp::bytemuck::bytes_of(&mask);
+    let bits = match *bytes {
+        // A bit for each.
+        [low, high] if S::F32_LANES == 16 => u32::from(u16::from_le_bytes([low, high])),
+        _ if bytes.len() == 4 * S::F32_LANES => {
+            let mut bits = 0;
+            for (k, number) in cast_slice::<u8, u32>(bytes).iter().enumerate() {
+                bits |= u32::from(*number != 0) << k;
+            }
+            bits
+        }
+        // One truth value.
+        _ => u32::from(bytes[0]),
+    };
+    (bits | 1 << S::F32_LANES).trailing_zeros() as usize
+}
+
+#[inline(always)]
+fn mix_all(a: &[f32; 8], b: &[f32; 8], share: f32) -> [f32; 8] {
+    let mut between = [0.0; 8];
+    for n in 0..8 {
+        between[n] = mix(a[n], b[n], share);
+    }
+    between
 }
 
 /// A number between two others.
