@@ -1,6 +1,7 @@
 //! What a run hands out: frames of single-precision positions, and where strands put theirs.
 
 use core::ops::Range;
+use rayon::prelude::*;
 use tousle_core::{Groom, Vec3};
 use tousle_lanes::{Lane, MOST_LANES, Vector};
 
@@ -12,45 +13,74 @@ pub(crate) fn single(point: Vec3) -> [f32; 3] {
 /// Where a strand puts its points in a frame, root first; `None` for what is not read.
 pub(crate) type Room<'a> = Option<&'a mut [[f32; 3]]>;
 
-/// Room for what batches show in some frames: batch after batch, of each frame after frame, as many rooms a frame as there are
-/// lanes.
+/// Room for what batches show in some frames: of each frame batch after batch, as many rooms a batch as there are lanes.
+#[derive(Default)]
 pub(crate) struct Rooms<'a> {
     /// Frames that pass before the first that is wanted.
     skipped: usize,
     n_lanes: usize,
-    rooms: Vec<Room<'a>>,
+    frames: Vec<Vec<Room<'a>>>,
 }
 
 impl<'a> Rooms<'a> {
-    /// Where nothing is wanted.
-    pub fn none() -> Self {
-        Self { skipped: 0, n_lanes: 1, rooms: Vec::new() }
-    }
-
     /// Those of each of so many batches.
     pub fn of_batches(&mut self, n_batches: usize) -> Vec<BatchRooms<'_, 'a>> {
-        let Self { skipped, n_lanes, rooms } = self;
-        let of_each = usize::max(rooms.len() / n_batches.max(1), 1);
-        let mut each = rooms.chunks_mut(of_each);
-        let of_next =
-            |_| BatchRooms { skipped: *skipped, n_lanes: *n_lanes, rooms: each.next().unwrap_or_default() };
-        (0..n_batches).map(of_next).collect()
+        let Self { skipped, n_lanes, frames } = self;
+        let mut each: Vec<_> = frames.iter_mut().map(|rooms| rooms.chunks_mut((*n_lanes).max(1))).collect();
+        let mut of_next = || each.iter_mut().filter_map(Iterator::next).collect();
+        (0..n_batches).map(|_| BatchRooms { skipped: *skipped, frames: of_next() }).collect()
+    }
+
+    /// Nothing but their memory, for rooms elsewhere: new memory in every block of steps costs more than what is put into it.
+    pub fn emptied<'b>(self) -> Rooms<'b> {
+        let emptied = |mut rooms: Vec<Room<'a>>| -> Vec<Room<'b>> {
+            rooms.clear();
+            // Collected where they were.
+            rooms.into_iter().map(|_| None).collect()
+        };
+        Rooms { frames: self.frames.into_iter().map(emptied).collect(), ..Rooms::default() }
     }
 }
 
 /// One batch's part of some [`Rooms`].
 pub(crate) struct BatchRooms<'r, 'a> {
     skipped: usize,
-    n_lanes: usize,
-    rooms: &'r mut [Room<'a>],
+    /// As many rooms as there are lanes, of each frame that is wanted.
+    frames: Vec<&'r mut [Room<'a>]>,
 }
 
 impl<'a> BatchRooms<'_, 'a> {
     /// Of the `k`-th frame that passes, if it is wanted.
     pub fn of_frame(&mut self, k: usize) -> Option<&mut [Room<'a>]> {
-        let first = k.checked_sub(self.skipped)? * self.n_lanes;
-        self.rooms.get_mut(first..first + self.n_lanes)
+        self.frames.get_mut(k.checked_sub(self.skipped)?).map(|rooms| &mut **rooms)
     }
+
+    /// Lets the processor fetch the memory of the `k`-th frame while it does something else.
+    pub fn fetch(&self, k: usize) {
+        let frame = k.checked_sub(self.skipped).and_then(|frame| self.frames.get(frame));
+        let Some(rooms) = frame else { return };
+        for room in rooms.iter() {
+            let Some(room) = room else { continue };
+            let mut next = 0;
+            while let Some(point) = room.get(next) {
+                fetch(point);
+                next += POINTS_IN_LINE;
+            }
+        }
+    }
+}
+
+/// How many points lie in what a processor fetches at once, 64 bytes.
+const POINTS_IN_LINE: usize = 5;
+
+/// Lets the processor fetch what a point is written over.
+#[inline(always)]
+fn fetch(point: &[f32; 3]) {
+    #[cfg(target_arch = "x86_64")]
+    safe_arch::prefetch_et0(point);
+    // No library offers it for others.
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = point;
 }
 
 /// The numbers of a batch's rooms, one room a lane; none for what is not read.
@@ -162,20 +192,29 @@ impl Frames {
         Seats { n_lanes: batches.first().map_or(1, Vec::len), n_batches: batches.len(), seats }
     }
 
-    /// Rooms of some frames, before which so many pass that are not wanted.
-    pub fn rooms(&mut self, skipped: usize, frames: Range<usize>, seats: &Seats) -> Rooms<'_> {
-        let (n_frames, n_lanes) = (frames.len(), seats.n_lanes);
-        let mut rooms: Vec<Room<'_>> = Vec::new();
-        rooms.resize_with(seats.n_batches * n_frames * n_lanes, || None);
+    /// Rooms of some frames, before which so many pass that are not wanted; in the memory of others.
+    pub fn rooms<'a>(
+        &'a mut self,
+        skipped: usize,
+        frames: Range<usize>,
+        seats: &Seats,
+        memory: Rooms<'_>,
+    ) -> Rooms<'a> {
+        let n_lanes = seats.n_lanes;
+        let mut rooms = memory.emptied();
+        rooms.frames.resize_with(frames.len(), Vec::new);
         let wanted = &mut self.positions_m[frames.start * self.n_points..frames.end * self.n_points];
-        for (k, mut frame) in wanted.chunks_exact_mut(self.n_points.max(1)).enumerate() {
-            for (n, (batch, lane)) in self.counts.iter().zip(&seats.seats) {
+        let counts = &self.counts;
+        let each = rooms.frames.par_iter_mut().zip(wanted.par_chunks_exact_mut(self.n_points.max(1)));
+        each.for_each(|(rooms, mut frame)| {
+            rooms.resize_with(seats.n_batches * n_lanes, || None);
+            for (n, (batch, lane)) in counts.iter().zip(&seats.seats) {
                 let (own, others) = frame.split_at_mut(*n);
-                rooms[(batch * n_frames + k) * n_lanes + lane] = Some(own);
+                rooms[batch * n_lanes + lane] = Some(own);
                 frame = others;
             }
-        }
-        Rooms { skipped, n_lanes, rooms }
+        });
+        Rooms { skipped, n_lanes, ..rooms }
     }
 
     /// Puts all frames of some strands, roots included. `None` if these are not as many points as the strands have.

@@ -1,7 +1,7 @@
 //! What is prepared before the first step, and what is said after the last.
 
 use crate::assumptions::assumptions;
-use crate::frames::Frames;
+use crate::frames::{Frames, Rooms};
 use crate::mechanics::{Mechanics, Setting};
 use crate::parts::{Count, Part, run_parts};
 use crate::plan::plan;
@@ -435,7 +435,7 @@ impl<M: Mechanics> Stopped<M> {
     ) {
         if self.frame == first {
             let seats = frames.seats(&strands.indices());
-            strands.show(&mut frames.rooms(0, 0..1, &seats));
+            strands.show(&mut frames.rooms(0, 0..1, &seats, Rooms::default()));
         }
         run.advance(strands.as_mut(), (self.frame, last), &NoProgress, Some((frames, first)));
     }

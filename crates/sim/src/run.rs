@@ -62,14 +62,11 @@ impl<M: Mechanics> Run<'_, M> {
         let indices = strands.indices();
         let seats = wanted.as_ref().map(|(frames, _)| frames.seats(&indices));
         let clock = self.clock(&indices, span, progress);
+        let mut memory = Rooms::default();
         for steps in self.blocks(span) {
             let into = wanted.as_mut().zip(seats.as_ref());
-            self.take(
-                strands,
-                &steps,
-                into.map(|((frames, from), seats)| (&mut **frames, seats, *from)),
-                &clock,
-            );
+            let into = into.map(|((frames, from), seats)| (&mut **frames, seats, *from));
+            memory = self.take(strands, &steps, into, memory, &clock).emptied();
         }
     }
 
@@ -87,9 +84,10 @@ impl<M: Mechanics> Run<'_, M> {
         let seats = frames.seats(&indices);
         let clock = self.clock(&indices, span, progress);
         say(strands, 0, frames.first(1))?;
+        let mut memory = Rooms::default();
         for steps in self.blocks(span) {
             let done = self.frames_of(&steps);
-            self.take(strands, &steps, Some((frames, &seats, done.start)), &clock);
+            memory = self.take(strands, &steps, Some((frames, &seats, done.start)), memory, &clock).emptied();
             say(strands, done.start, frames.first(done.len()))?;
         }
         Ok(())
@@ -118,13 +116,14 @@ impl<M: Mechanics> Run<'_, M> {
     }
 
     /// Moves strands through a block of steps, and puts those frames that are wanted, from a number on.
-    fn take(
+    fn take<'f>(
         &self,
         strands: &mut dyn Abreast<M>,
         steps: &Range<usize>,
-        wanted: Option<(&mut Frames, &Seats, usize)>,
+        wanted: Option<(&'f mut Frames, &Seats, usize)>,
+        memory: Rooms<'_>,
         clock: &Clock<'_>,
-    ) {
+    ) -> Rooms<'f> {
         let world = |step| self.mechanics.world(&self.timeline, &self.sampler, self.reading, step);
         let worlds: Vec<M::World<'_>> = steps.clone().into_par_iter().map(world).collect();
         let per_frame = self.timeline.steps_per_frame;
@@ -133,11 +132,12 @@ impl<M: Mechanics> Run<'_, M> {
         let mut rooms = match wanted {
             Some((frames, seats, from)) if from < end => {
                 let begin = usize::max(next, from);
-                frames.rooms(begin - next, begin - from..end - from, seats)
+                frames.rooms(begin - next, begin - from..end - from, seats, memory)
             }
-            _ => Rooms::none(),
+            _ => Rooms::default(),
         };
         strands.take_steps(&block, &mut rooms, &|n_strands| clock.passed(n_strands * worlds.len()));
+        rooms
     }
 
     fn block(&self) -> usize {
@@ -341,8 +341,12 @@ impl<M: Mechanics, L: Lane> Lanes<M, L> {
         let Block { mechanics, begin, worlds, per_frame } = block;
         let mut n_frames = 0;
         for (k, world) in worlds.iter().enumerate() {
+            let ends_frame = (begin + k + 1).is_multiple_of(*per_frame);
+            if ends_frame {
+                rooms.fetch(n_frames);
+            }
             mechanics.step(&mut self.batch, work, world);
-            if (begin + k + 1).is_multiple_of(*per_frame) {
+            if ends_frame {
                 if let Some(rooms) = rooms.of_frame(n_frames) {
                     self.show(rooms);
                 }
