@@ -46,6 +46,73 @@ fn looked_up<L: Lane>(surface: &Surface, place: Vector<L>) -> (L, Vector<L>) {
     (distances, normals)
 }
 
+/// What is inside a surface and tells with little effort which points are far from it: whoever is farther from its spine than its
+/// radius and some distance is farther than that distance from the surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Core<L> {
+    spine: Spine<L>,
+    radius_m: L,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Spine<L> {
+    /// The origin, to where a map takes points that makes no way longer.
+    Origin { map: Matrix<L>, shift_m: Vector<L> },
+    /// A line segment.
+    Segment { a_m: Vector<L>, axis: Vector<L>, per_length2: L },
+}
+
+/// More than rounding takes from or adds to a length in single precision, as a share of it.
+const ROUNDING: f64 = 1e-5;
+
+impl<L: Lane> Core<L> {
+    /// Of a surface; a mesh has none.
+    #[inline(always)]
+    pub fn of(surface: &Surface, like: L) -> Option<Self> {
+        match surface.shape() {
+            // The ball that its shortest half axis makes of it.
+            SurfaceShape::Ellipsoid { center_m, to_sphere, shortest_half_axis_m, .. } => {
+                let map = to_sphere * *shortest_half_axis_m;
+                let shift_m = Vector::same(like, -(map * center_m));
+                let spine = Spine::Origin { map: Matrix::same(like, &map), shift_m };
+                Some(Self { spine, radius_m: like.same(*shortest_half_axis_m) })
+            }
+            SurfaceShape::Capsule { a_m, axis, per_length2, radius_m } => {
+                let (a_m, axis) = (Vector::same(like, *a_m), Vector::same(like, *axis));
+                let spine = Spine::Segment { a_m, axis, per_length2: like.same(*per_length2) };
+                Some(Self { spine, radius_m: like.same(*radius_m) })
+            }
+            SurfaceShape::Mesh { .. } => None,
+        }
+    }
+
+    /// How far points are from the spine, squared, m².
+    #[inline(always)]
+    pub fn away2(&self, place: Vector<L>) -> L {
+        match &self.spine {
+            Spine::Origin { map, shift_m } => map.mul_vector_add(place, *shift_m).norm_squared(),
+            Spine::Segment { a_m, axis, per_length2 } => {
+                let (from_a, nothing) = (place - *a_m, per_length2.same(0.0));
+                let share = (from_a.dot(*axis) * *per_length2).max(nothing).min(nothing.same(1.0));
+                axis.mul_add(-share, from_a).norm_squared()
+            }
+        }
+    }
+
+    /// [`Core::away2`] beyond which a point is farther than a distance from the surface, m².
+    #[inline(always)]
+    pub fn far2(&self, distance_m: L) -> L {
+        let away_m = (self.radius_m + distance_m).max(distance_m.same(0.0)) * distance_m.same(1.0 + ROUNDING);
+        away_m * away_m
+    }
+
+    /// How far a point with some [`Core::away2`] is from the surface at least, m.
+    #[inline(always)]
+    pub fn least_m(&self, away2: L) -> L {
+        away2.sqrt() * away2.same(1.0 - ROUNDING) - self.radius_m
+    }
+}
+
 /// Where a point was looked at last, and how far it may go from there before it has to be looked at again.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seen<L> {
@@ -138,6 +205,30 @@ mod tests {
                 assert!((found.distance_m - expected.distance_m).abs() < 1e-12, "{found:?} {expected:?}");
                 assert!((found.normal - expected.normal).norm() < 1e-12, "{found:?} {expected:?}");
             }
+        }
+    }
+
+    /// Who is far from the core is far from the surface.
+    #[test]
+    fn a_core_tells_who_is_far() {
+        for surface in surfaces() {
+            let core = Core::of(&surface, F64x1::zero()).unwrap();
+            let mut n_far = 0;
+            for k in 0..11 * 11 * 11 {
+                let at = Vec3::new(f64::from(k % 11), f64::from(k / 11 % 11), f64::from(k / 121));
+                let place = (at / 5.0 - Vec3::repeat(1.0)) * 0.3;
+                let gap_m = surface.gap(place).distance_m;
+                let away2 = core.away2(Vector::splat(place));
+                assert!(core.least_m(away2).get(0) <= gap_m.max(0.0), "{surface:?} {place}");
+                for distance_m in [0.0, 0.01, 0.1] {
+                    let is_far = away2.get(0) > core.far2(F64x1::splat(distance_m)).get(0);
+                    assert!(!is_far || gap_m > distance_m, "{surface:?} {place}: {gap_m}");
+                    n_far += usize::from(is_far);
+                }
+            }
+            assert!(n_far > 1000, "{surface:?}: {n_far} far");
+            let nowhere = core.far2(F64x1::splat(f64::NEG_INFINITY)).get(0);
+            assert_eq!(nowhere, 0.0, "who cannot touch is far everywhere");
         }
     }
 

@@ -79,14 +79,14 @@ impl<L: Lane> Batch<L> {
             };
             let secs = [begin_before, time, time + dt];
             let (now, carry) = at_end_of_step(timeline, sampler, Reading::LaidOut, secs);
-            let before = self.states.clone();
+            let before = (self.states.clone(), self.states_before.clone());
             let touchable = self.touchable.clone();
             let (at_rest, went_m) = (self.at_rest, self.went_m);
             self.step_implicit(work, model, &now, carry.as_ref(), formula);
             let error_m = if self.at_rest { 0.0 } else { self.error(dt, carry.as_ref()) };
             let wanted = 0.85 * libm::cbrt(tolerance_m / error_m.max(1e-12));
             if error_m > tolerance_m && dt > SHORTEST_SECS {
-                self.states = before;
+                (self.states, self.states_before) = before;
                 self.touchable = touchable;
                 (self.at_rest, self.went_m) = (at_rest, went_m);
                 pace.next_secs = dt * wanted.clamp(0.2, 0.9);
@@ -107,9 +107,9 @@ impl<L: Lane> Batch<L> {
     fn error(&self, dt_secs: f64, carry: Option<&Carry>) -> f64 {
         let half_dt = L::splat(0.5 * dt_secs);
         let carried = Placing::same(half_dt, &carry.map_or_else(Pose::identity, |carry| carry.from));
-        let off2 = self.states.iter().fold(L::zero(), |off2, state| {
-            let velocities = carried.turn.mul_vector_add(state.velocity_before, state.velocity);
-            let rule = carried.place(state.place_before) + velocities * half_dt;
+        let off2 = self.states.iter().zip(&self.states_before).fold(L::zero(), |off2, (state, before)| {
+            let velocities = carried.turn.mul_vector_add(before.velocity, state.velocity);
+            let rule = carried.place(before.place) + velocities * half_dt;
             off2.max((state.place - rule).norm_squared())
         });
         1.6 * off2.largest().sqrt()

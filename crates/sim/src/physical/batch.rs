@@ -52,7 +52,9 @@ pub(crate) struct Batch<L> {
     pub widths_m: Vec<L>,
     pub densities: Vec<L>,
     pub links: Vec<Link<L>>,
+    /// Now, and a step ago.
     pub states: Vec<State<L>>,
+    pub states_before: Vec<State<L>>,
     pub touchable: Vec<Touchable<L>>,
     /// Spring of a contact, N/m, and one over it.
     pub contact_stiffness: L,
@@ -74,7 +76,9 @@ pub(crate) struct Batch<L> {
 impl<L: Lane> Batch<L> {
     /// Room for a step's work.
     pub fn make_room(&self, work: &mut Vec<Work<L>>) {
-        work.resize(self.links.len(), Work::new());
+        if work.len() != self.links.len() {
+            work.resize(self.links.len(), Work::new());
+        }
     }
 
     /// [`Touchable::look`] for all: finds the points that may touch in this step, or, `again`, more of them. A strand whose margin is minus infinity does not look: each does when it would alone.

@@ -1,7 +1,6 @@
 use super::batch::Batch;
 use super::contact::{CONTACT_RATE, Touchable, limit_m};
 use super::link::{Link, State};
-use crate::gap::Seen;
 use crate::parts::Count;
 use crate::touchable::reached;
 use nalgebra::UnitQuaternion;
@@ -98,6 +97,7 @@ pub(super) fn build<L: Lane>(strands: &[&Prepared], law: &DragLaw) -> Batch<L> {
         widths_m: (0..n).map(|k| per_stick(k, &of, |lock| lock.widths_m[k], 1e-3)).collect(),
         densities: (0..n).map(|k| per_stick(k, &of, |lock| lock.linear_densities_kg_per_m[k], 0.0)).collect(),
         links,
+        states_before: states.clone(),
         states,
         touchable,
         contact_stiffness: L::from_fn(|lane| contact_stiffness(&of(lane).lock)),
@@ -133,9 +133,9 @@ fn viscous(law: &DragLaw, width_m: f64) -> f64 {
 impl<L: Lane> Batch<L> {
     /// Strands at rest have the head's velocity at the start, as if they had come with it.
     pub fn go_along(&mut self, head: &HeadMotion) {
-        for state in &mut self.states {
+        for (state, before) in self.states.iter_mut().zip(&mut self.states_before) {
             state.velocity = Vector::from_fn(|lane| head.velocity_of(state.place.get(lane)));
-            state.velocity_before = state.velocity;
+            before.velocity = state.velocity;
         }
     }
 }
@@ -162,16 +162,7 @@ fn state_at_rest<'a, L: Lane>(
             bend_of(turns[stick - 1].inverse() * turns[stick])
         }
     });
-    State {
-        turn,
-        turn_before: turn,
-        place,
-        place_before: place,
-        velocity: Vector::zero(),
-        velocity_before: Vector::zero(),
-        bend,
-        bend_before: bend,
-    }
+    State { turn, place, velocity: Vector::zero(), bend }
 }
 
 fn turn_lanes<L: Lane>(of: impl Fn(usize) -> UnitQuaternion<f64>) -> Turn<L> {
@@ -203,7 +194,7 @@ fn touchable<'a, L: Lane>(collider: usize, n: usize, of: &impl Fn(usize) -> &'a 
         pushes: pushes.iter().map(lanes).collect(),
         slips: slips.iter().map(|slips| Vector::from_fn(|lane| slips[lane])).collect(),
         is_borne: vec![true; n],
-        seen: vec![Seen::not_yet(); n],
+        seen: Vec::new(),
         idle_m: L::zero(),
         near: Vec::new(),
         bearings: Vec::new(),

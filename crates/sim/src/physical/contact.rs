@@ -1,7 +1,7 @@
 //! What a body does to a strand's points: a spring that is soft as a lock is, without a rebound, and friction.
 
 use super::batch::Model;
-use crate::gap::{Seen, TINY2, gaps, room};
+use crate::gap::{Core, Seen, TINY2, gaps, room};
 use tousle_core::{Pose, Vec3};
 use tousle_lanes::{Lane, Placing, Symmetric, Vector};
 use tousle_rod::Surface;
@@ -21,7 +21,7 @@ pub(crate) struct Touchable<L> {
     pub slips: Vec<Vector<L>>,
     /// Of which points the last two may say something.
     pub is_borne: Vec<bool>,
-    /// What is known of each point's distance, in the axes in which the surface keeps its place.
+    /// What is known of each point's distance from a mesh, in the axes in which that keeps its place.
     pub seen: Vec<Seen<L>>,
     /// How far each strand's points may go before one of them can be within a margin of the surface; none is looked at while
     /// that is more than the margin, m. Nothing where some may touch, nor where the surface moves against the head.
@@ -117,13 +117,59 @@ impl<L: Lane> Touchable<L> {
         if self.idle_m.all_above(margin_m) {
             return;
         }
-        let mut idle_m = margin_m.same(if again { 0.0 } else { f64::INFINITY });
+        // Of a surface that moves against the head nobody knows when it comes.
+        let may_idle = !again && moving.own_from_head.is_none();
+        let idle_m = margin_m.same(if may_idle { f64::INFINITY } else { 0.0 });
+        self.idle_m = match Core::of(&moving.surface, margin_m) {
+            Some(core) => self.look_around(&core, &moving.surface, places, margin_m, again, idle_m),
+            None => self.look_back(moving, places, margin_m, again, idle_m),
+        };
+    }
+
+    /// [`Touchable::look`] where it is quickly told which points are far. Out: [`Touchable::idle_m`], at most `idle_m`.
+    #[inline(always)]
+    fn look_around(
+        &mut self,
+        core: &Core<L>,
+        surface: &Surface,
+        places: impl Iterator<Item = Vector<L>>,
+        margin_m: L,
+        again: bool,
+        mut idle_m: L,
+    ) -> L {
+        let nothing = margin_m.same(0.0);
+        let reach_m = margin_m * margin_m.same(surface.steepness());
+        let per_steepness = margin_m.same(1.0 / surface.steepness());
+        for (stick, place) in places.enumerate() {
+            let away2 = core.away2(place);
+            let limit_m = self.limits_m[stick];
+            if away2.all_above(core.far2(limit_m + reach_m)) {
+                self.let_go(stick, again);
+                if idle_m.any_above(nothing) {
+                    idle_m = idle_m.min((core.least_m(away2) - limit_m) * per_steepness);
+                }
+            } else {
+                idle_m = nothing;
+                self.look_at(surface, stick, place, margin_m, again);
+            }
+        }
+        idle_m
+    }
+
+    /// [`Touchable::look`] where it costs less to remember the last look than to look once more.
+    #[inline(always)]
+    fn look_back(
+        &mut self,
+        moving: &MovingSurface,
+        places: impl Iterator<Item = Vector<L>>,
+        margin_m: L,
+        again: bool,
+        mut idle_m: L,
+    ) -> L {
         let (nothing, one, never) =
             (margin_m.same(0.0), margin_m.same(1.0), margin_m.same(f64::NEG_INFINITY));
+        self.seen.resize(self.limits_m.len(), Seen::not_yet());
         let own = moving.own_from_head.map(|own| Placing::same(margin_m, &own));
-        if own.is_some() {
-            idle_m = nothing;
-        }
         for (stick, place) in places.enumerate() {
             // In its own axes the surface does not come nearer by itself.
             let own_place = own.map_or(place, |own| own.place(place));
@@ -137,18 +183,18 @@ impl<L: Lane> Touchable<L> {
                 continue;
             }
             idle_m = nothing;
-            let room_m =
-                self.look_at(&moving.surface, stick, place, far.above(nothing, never, margin_m), again);
+            let margin_m = far.above(nothing, never, margin_m);
+            let gap = self.look_at(&moving.surface, stick, place, margin_m, again);
+            let room_m = room(&moving.surface, gap, self.limits_m[stick]);
             let place = Vector::where_above(far, nothing, seen.place, own_place);
             self.seen[stick] = Seen { place, room_m: far.above(nothing, seen.room_m, room_m) };
         }
-        self.idle_m = idle_m;
+        idle_m
     }
 
     /// Whether the end of a stick may touch in a step: whether, for any strand, it is or is expected to come within
     /// `margin_m` (minus infinity for a strand that does not look); `again`: or comes to in the same step. What bore it is
-    /// forgotten by a strand for which it is not, whatever the others do. Out: how far it may go before it can be nearer than
-    /// it may come, m.
+    /// forgotten by a strand for which it is not, whatever the others do. Out: how far it is from the surface, m.
     #[inline(always)]
     fn look_at(&mut self, surface: &Surface, stick: usize, place: Vector<L>, margin_m: L, again: bool) -> L {
         let (limit_m, nothing) = (self.limits_m[stick], margin_m.same(0.0));
@@ -164,7 +210,8 @@ impl<L: Lane> Touchable<L> {
                 self.slips[stick] = Vector::where_above(beyond, nothing, Vector::none(nothing), slip);
             }
             let limit_m = beyond.above(nothing, margin_m.same(f64::NEG_INFINITY), limit_m);
-            match self.near.iter_mut().find(|near| again && near.stick == stick) {
+            let known = if again { self.near.iter_mut().find(|near| near.stick == stick) } else { None };
+            match known {
                 Some(near) => near.limit_m = near.limit_m.max(limit_m),
                 None => {
                     let gap = Some((gap, normal));
@@ -172,7 +219,7 @@ impl<L: Lane> Touchable<L> {
                 }
             }
         }
-        room(surface, gap, limit_m)
+        gap
     }
 
     /// The end of a stick is far: nothing of what bore it is left, unless a step was begun with it.
@@ -400,7 +447,8 @@ pub(super) fn limit_m(clearance_m: f64, bearing_n: f64, stiffness: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tousle_core::Shape;
+    use std::sync::Arc;
+    use tousle_core::{DistanceGrid, Shape, Solid};
     use tousle_lanes::F64x1;
 
     #[test]
@@ -422,7 +470,7 @@ mod tests {
             pushes: vec![F64x1::zero(); n],
             slips: vec![Vector::zero(); n],
             is_borne: vec![false; n],
-            seen: vec![Seen::not_yet(); n],
+            seen: Vec::new(),
             idle_m: F64x1::zero(),
             near: Vec::new(),
             bearings: Vec::new(),
@@ -454,47 +502,62 @@ mod tests {
         }
     }
 
+    /// A ball whose distances lie on a grid.
+    fn ball(radius_m: f64) -> Shape {
+        let (n, edge_m, origin_m) = (9, 0.05, Vec3::repeat(-0.2));
+        let node = |flat: usize| {
+            let at = [flat / (n * n), flat / n % n, flat % n].map(|i| i as f64 * edge_m);
+            (origin_m + Vec3::from(at)).norm() - radius_m
+        };
+        let distances_m: Vec<f64> = (0..n * n * n).map(node).collect();
+        let distances = DistanceGrid::new(origin_m, edge_m, [n; 3], &distances_m);
+        Shape::Mesh(Arc::new(Solid { points_m: Vec::new(), triangles: Vec::new(), distances }))
+    }
+
     /// Points that go to and fro are near whenever they are within the margin, though they are not always looked at.
     #[test]
     fn who_is_near_is_seen_whoever_was_idle() {
         let zero = Vec3::zeros();
-        let surface =
-            Surface::new(&Shape::Ellipsoid { center_m: zero, half_axes_m: Vec3::new(0.1, 0.03, 0.1) });
-        let moving = MovingSurface {
-            surface: surface.clone(),
-            velocity: zero,
-            angular_velocity: zero,
-            own_from_head: None,
-        };
         let (limits_m, margin_m) = ([0.004, 0.006], F64x1::splat(0.01));
-        let mut touchable = touchable_at(&limits_m);
-        let (mut n_looked, mut n_near) = (0, 0);
         let places = |k: u32| {
             let far = |rate: f64| 0.2 + 0.17 * libm::sin(rate * f64::from(k));
             [Vec3::new(0.0, far(0.011), 0.03), Vec3::new(0.02, 0.01, -far(0.007) - 0.08)]
         };
-        let mut before = places(0);
-        for k in 0..3000 {
-            let now = places(k);
-            let went_m = (0..2).map(|p| (now[p] - before[p]).norm()).fold(0.0, f64::max);
-            let seen = touchable.seen.clone();
-            let points = now.map(Vector::splat).into_iter();
-            touchable.look(&moving, points, (margin_m, F64x1::splat(went_m)), false);
-            let is_near = |p: &usize| surface.gap(now[*p]).distance_m - limits_m[*p] <= 0.01;
-            for p in (0..2).filter(is_near) {
-                assert!(touchable.near.iter().any(|near| near.stick == p), "{k} {p}");
-                n_near += 1;
+        for shape in [
+            Shape::Ellipsoid { center_m: zero, half_axes_m: Vec3::new(0.1, 0.03, 0.1) },
+            Shape::Capsule { a_m: -Vec3::x() * 0.1, b_m: Vec3::x() * 0.1, radius_m: 0.1 },
+            ball(0.1),
+        ] {
+            let surface = Surface::new(&shape);
+            let moving = MovingSurface {
+                surface: surface.clone(),
+                velocity: zero,
+                angular_velocity: zero,
+                own_from_head: None,
+            };
+            let mut touchable = touchable_at(&limits_m);
+            let (mut n_looked, mut n_near) = (0, 0);
+            let mut before = places(0);
+            for k in 0..3000 {
+                let now = places(k);
+                let went_m = (0..2).map(|p| (now[p] - before[p]).norm()).fold(0.0, f64::max);
+                let points = now.map(Vector::splat).into_iter().inspect(|_| n_looked += 1);
+                touchable.look(&moving, points, (margin_m, F64x1::splat(went_m)), false);
+                let is_near = |p: &usize| surface.gap(now[*p]).distance_m - limits_m[*p] <= 0.01;
+                for p in (0..2).filter(is_near) {
+                    assert!(touchable.near.iter().any(|near| near.stick == p), "{shape:?} {k} {p}");
+                    n_near += 1;
+                }
+                before = now;
             }
-            n_looked += usize::from((0..2).any(|p| touchable.seen[p].room_m.get(0) != seen[p].room_m.get(0)));
-            before = now;
+            assert!(n_near > 300 && n_looked < 4500, "{shape:?}: {n_near} near, {n_looked} looked at");
+            // Looked at first, then known to be far.
+            for went_m in [2.0, 0.0] {
+                let far = [Vec3::repeat(0.5), Vec3::repeat(-0.5)].map(Vector::splat);
+                touchable.look(&moving, far.into_iter(), (margin_m, F64x1::splat(went_m)), false);
+            }
+            assert!(touchable.idle_m.get(0) > 0.1, "{shape:?}: {}", touchable.idle_m.get(0));
         }
-        assert!(n_near > 300 && n_looked < 2000, "{n_near} near, looked at in {n_looked} steps");
-        // Looked at first, then known to be far.
-        for went_m in [2.0, 0.0] {
-            let far = [Vec3::repeat(0.5), Vec3::repeat(-0.5)].map(Vector::splat);
-            touchable.look(&moving, far.into_iter(), (margin_m, F64x1::splat(went_m)), false);
-        }
-        assert!(touchable.idle_m.get(0) > 0.1, "{}", touchable.idle_m.get(0));
     }
 
     /// A pull of one both ways, of a point of 0.1 g that slides at a speed, m/s, both ways and comes at another.

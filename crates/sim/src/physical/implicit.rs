@@ -242,22 +242,22 @@ impl<L: Lane> Batch<L> {
         let (now, before) = (weights.h.same(formula.now), weights.h.same(formula.before));
         let nothing = weights.h.same(0.0);
         let (mut end, mut way2) = (self.root, nothing);
-        for ((link, state), work) in self.links.iter().zip(&mut self.states).zip(work) {
+        let states = self.states.iter().zip(&self.states_before);
+        for ((link, (state, past)), work) in self.links.iter().zip(states).zip(work) {
             let velocity;
             (work.from, velocity) = match history {
-                Some(history) => history.sums(state),
+                Some(history) => history.sums(state, past),
                 None => (
-                    state.place.mul_add(now, state.place_before * before),
-                    state.velocity.mul_add(now, state.velocity_before * before),
+                    state.place.mul_add(now, past.place * before),
+                    state.velocity.mul_add(now, past.velocity * before),
                 ),
             };
             work.drifting = velocity.mul_add(weights.h, work.from + falls);
             // A joint gives way slowly: k (c − c0) + k τ ċ, ċ = (c − from) / h.
             let damping = link.stiffness * link.damping_secs * weights.per_h;
             work.stiffness = link.stiffness + damping;
-            work.natural = link.natural + (state.bend * now + state.bend_before * before) * damping;
-            work.turn = go_on(state);
-            state.age();
+            work.natural = link.natural + (state.bend * now + past.bend * before) * damping;
+            work.turn = go_on(state.turn, past.turn);
             work.direction = work.turn.x_axis();
             end = work.direction.mul_add(link.length, end);
             work.place = end;
@@ -303,14 +303,19 @@ impl<L: Lane> Batch<L> {
     fn finish(&mut self, work: &[Work<L>], weights: &Weights<L>) {
         self.touchable.iter_mut().for_each(Touchable::remember);
         let mut unwinding = Unwinding::from_root(self.root_turn);
-        for (state, work) in self.states.iter_mut().zip(work) {
+        // What was a step ago is of no more use: its memory takes what is now.
+        core::mem::swap(&mut self.states, &mut self.states_before);
+        for ((state, past), work) in self.states.iter_mut().zip(&mut self.states_before).zip(work) {
             let joint = unwinding.next(work.turn);
-            state.turn = unwinding.before;
-            state.place = work.place;
-            state.velocity = work.velocity(weights.per_h);
-            state.bend = joint.bend;
-            state.bend_before =
-                Vector::where_above(joint.sign, weights.h.same(0.0), state.bend_before, joint.bend);
+            *state = State {
+                turn: unwinding.before,
+                place: work.place,
+                velocity: work.velocity(weights.per_h),
+                bend: joint.bend,
+            };
+            if !joint.sign.all_above(weights.h.same(0.0)) {
+                past.bend = Vector::where_above(joint.sign, weights.h.same(0.0), past.bend, joint.bend);
+            }
         }
     }
 }
@@ -338,12 +343,12 @@ impl<L: Lane> History<L> {
 
     /// Of places and of velocities.
     #[inline(always)]
-    fn sums(&self, state: &State<L>) -> (Vector<L>, Vector<L>) {
+    fn sums(&self, state: &State<L>, past: &State<L>) -> (Vector<L>, Vector<L>) {
         let turned =
             |now: Vector<L>, before: Vector<L>| self.now.mul_vector_add(now, self.before.mul_vector(before));
         (
-            self.now.mul_vector_add(state.place, self.before.mul_vector_add(state.place_before, self.shift)),
-            turned(state.velocity, state.velocity_before),
+            self.now.mul_vector_add(state.place, self.before.mul_vector_add(past.place, self.shift)),
+            turned(state.velocity, past.velocity),
         )
     }
 }
@@ -353,8 +358,7 @@ impl<L: Lane> History<L> {
 /// How that turning changed is left out: a parabola foretells more of a swing than one iteration takes back, so most curls that
 /// hung still began to swing at 60 steps a second.
 #[inline(always)]
-fn go_on<L: Lane>(state: &State<L>) -> Turn<L> {
-    let (now, before) = (state.turn, state.turn_before);
+fn go_on<L: Lane>(now: Turn<L>, before: Turn<L>) -> Turn<L> {
     let alike = now.w * before.w + now.v.dot(before.v);
     let guess = Turn { w: now.w + now.w - before.w, v: now.v + now.v - before.v };
     guess.where_above(alike, now.w.same(0.97), now).normalized()

@@ -23,33 +23,17 @@ pub(crate) struct Link<L> {
     pub rotary: L,
 }
 
-/// Where a stick and its far point are, and where they were.
+/// Where a stick and its far point are at the end of a step, in the head's axes as they are then.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State<L> {
-    /// Stick axes (x along it) to head axes, now and a step ago. What was is in the head's axes as they were then.
+    /// Stick axes (x along it) to head axes.
     pub turn: Turn<L>,
-    pub turn_before: Turn<L>,
-    /// The far point, head space, m, now and a step ago.
+    /// The far point, head space, m.
     pub place: Vector<L>,
-    pub place_before: Vector<L>,
-    /// Its velocity over the ground, head axes, m/s, now and a step ago.
+    /// Its velocity over the ground, head axes, m/s.
     pub velocity: Vector<L>,
-    pub velocity_before: Vector<L>,
-    /// The joint's turn, as [`Turn::bend`], now and a step ago.
+    /// The joint's turn, as [`Turn::bend`].
     pub bend: Vector<L>,
-    pub bend_before: Vector<L>,
-}
-
-impl<L: Lane> State<L> {
-    /// A step on: what is now is what was a step ago, until the step's end is known. Done where all of it has just been
-    /// read, so that the end need not read it again.
-    #[inline(always)]
-    pub fn age(&mut self) {
-        self.turn_before = self.turn;
-        self.place_before = self.place;
-        self.velocity_before = self.velocity;
-        self.bend_before = self.bend;
-    }
 }
 
 /// What bends and twists a joint: gradient and (Gauss-Newton) second derivative of its potential.
