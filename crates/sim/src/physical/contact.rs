@@ -337,6 +337,9 @@ fn bear<L: Lane>(
     // In the fringe the dashpot grows with the depth. What comes is met by it; what leaves is not let go for it.
     let stiffens = (fringe - depth).above(zero, stiffness * depth.same(2.0 / CONTACT_RATE / FRINGE_M), zero);
     let rise = (-leaving).max(zero).mul_add(stiffens, stiffness * share + dashpot * per_h);
+    // What comes fast is met hardest near the surface. An iteration that went by the slope where it is deep would throw it off, the
+    // next one let it fall as deep again. So it goes at least by the slope from here to where the surface lets go.
+    let rise = rise.max(push / depth.max(fringe));
     let rise = push.above(zero, rise, zero);
     let mut hessian = Symmetric::none(depth);
     let mut slope = -(normal * push);
@@ -458,6 +461,55 @@ mod tests {
             let soft = depth.min(FRINGE_M);
             let pushes = soft * soft * 0.5 / FRINGE_M + (depth - soft);
             assert!((pushes - give).abs() < 1e-15, "{give} {pushes}");
+        }
+    }
+
+    /// What meets a point is gone where the surface lets go of it, by the slope that an iteration goes by too; of what comes slowly
+    /// that is the true one.
+    #[test]
+    fn an_iteration_does_not_throw_off_what_comes_fast() {
+        let zero = Vec3::zeros();
+        let (model, moving) = (
+            Model {
+                along: 0.0,
+                air: false,
+                pushes: false,
+                force_law: None,
+                friction: 0.0,
+                resolution_m: 0.0,
+            },
+            MovingSurface {
+                surface: Surface::new(&ball(0.1)),
+                velocity: zero,
+                angular_velocity: zero,
+                own_from_head: None,
+            },
+        );
+        let (of, stiffness, per_h) = (F64x1::splat, 4.0, 90.0);
+        let meet = |depth_m: f64, approach: f64| {
+            let firmness = Firmness {
+                stiffness: of(stiffness),
+                give: of(1.0 / stiffness),
+                per_h: of(per_h),
+                dt: of(0.0),
+            };
+            let normal = Vector::splat(Vec3::x());
+            let velocity = Vector::splat(Vec3::x() * -approach);
+            let felt = (Vector::zero(), velocity, Vector::splat(Vec3::y()));
+            let met = bear(&model, (of(depth_m), normal), (of(0.0), Vector::zero()), &moving, felt, firmness);
+            (met.push.get(0), met.hessian.mul_vector(normal).get(0).x)
+        };
+        for depth_m in [1e-5, 1e-4, 4e-4, 6e-4, 2e-3, 0.01] {
+            for approach in [0.0, 0.01, 0.3, 3.0] {
+                let (push, rise) = meet(depth_m, approach);
+                let left = push - rise * depth_m.max(FRINGE_M);
+                assert!(left < 1e-12, "{depth_m} {approach}: {left} N");
+                let further = 1e-9;
+                let slope = (meet(depth_m + further, approach + further * per_h).0 - push) / further;
+                assert!(rise > 0.999 * slope, "{depth_m} {approach}: {rise}, {slope} N/m");
+                let is_slow = approach <= 0.01 && depth_m > 1e-4;
+                assert!(!is_slow || rise < 1.001 * slope, "{depth_m} {approach}: {rise}, {slope} N/m");
+            }
         }
     }
 

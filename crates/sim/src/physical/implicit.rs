@@ -48,8 +48,8 @@ const MAX_ITERATIONS: usize = 40;
 /// shares of the way only.
 const fn share_of_way(updates: usize) -> f64 {
     match updates {
-        0..4 => 1.0,
-        4..12 => 0.5,
+        0..8 => 1.0,
+        8..16 => 0.5,
         _ => 0.25,
     }
 }
