@@ -123,16 +123,19 @@ impl Places {
         let mut n = 0;
         for part in 0..WIDTH / S::F32_LANES {
             let begin = part * S::F32_LANES;
-            let mut left = simd.equal_u32s(low[part], low[part]);
-            let mut first = 0;
+            // A bit for each point that is behind no voxel so far.
+            let mut left: u32 = (1 << S::F32_LANES) - 1;
             let mut sums = [simd.splat_f32s(0.0); 3];
-            while first < S::F32_LANES {
-                if n == FEW {
+            while left != 0 {
+                let first = begin + left.trailing_zeros() as usize % S::F32_LANES;
+                let here = simd.equal_u32s(low[part], simd.splat_u32s(self.low[first]));
+                left &= !bits(simd, here);
+                // Where a part's first point has its voxel for itself, most have.
+                if n == FEW || left.count_ones() as usize == S::F32_LANES - 1 {
                     return false;
                 }
                 n += 1;
-                let slopes = self.around(voxels, begin + first).slopes();
-                let here = simd.equal_u32s(low[part], simd.splat_u32s(self.low[begin + first]));
+                let slopes = self.around(voxels, first).slopes();
                 let shares = [share_x[part], share_y[part]];
                 for (axis, sum) in sums.iter_mut().enumerate() {
                     let a = slopes.at_many(simd, axis, shares);
@@ -140,8 +143,6 @@ impl Places {
                     let between = simd.mul_add_f32s(simd.sub_f32s(b, a), share_z[part], a);
                     *sum = simd.select_f32s(here, between, *sum);
                 }
-                left = simd.and_m32s(left, simd.not_m32s(here));
-                first = first_true(simd, left);
             }
             for (found, sum) in found.iter_mut().zip(sums) {
                 S::as_mut_simd_f32s(found).0[part] = sum;
@@ -246,11 +247,11 @@ impl Slopes {
     }
 }
 
-/// The first of a register's numbers for which something is true; as many as there are if for none.
+/// A bit for each of a register's numbers for which something is true.
 #[inline(always)]
-fn first_true<S: Simd>(_simd: S, mask: S::m32s) -> usize {
+fn bits<S: Simd>(_simd: S, mask: S::m32s) -> u32 {
     let bytes = pulp::bytemuck::bytes_of(&mask);
-    let bits = match *bytes {
+    match *bytes {
         // A bit for each.
         [low, high] if S::F32_LANES == 16 => u32::from(u16::from_le_bytes([low, high])),
         _ if bytes.len() == 4 * S::F32_LANES => {
@@ -262,8 +263,7 @@ fn first_true<S: Simd>(_simd: S, mask: S::m32s) -> usize {
         }
         // One truth value.
         _ => u32::from(bytes[0]),
-    };
-    (bits | 1 << S::F32_LANES).trailing_zeros() as usize
+    }
 }
 
 #[inline(always)]
