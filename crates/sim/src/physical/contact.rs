@@ -468,7 +468,6 @@ mod tests {
     /// that is the true one.
     #[test]
     fn an_iteration_does_not_throw_off_what_comes_fast() {
-        let zero = Vec3::zeros();
         let (model, moving) = (
             Model {
                 along: 0.0,
@@ -478,12 +477,7 @@ mod tests {
                 friction: 0.0,
                 resolution_m: 0.0,
             },
-            MovingSurface {
-                surface: Surface::new(&ball(0.1)),
-                velocity: zero,
-                angular_velocity: zero,
-                own_from_head: None,
-            },
+            standing(Surface::new(&ball(0.1))),
         );
         let (of, stiffness, per_h) = (F64x1::splat, 4.0, 90.0);
         let meet = |depth_m: f64, approach: f64| {
@@ -529,18 +523,23 @@ mod tests {
         }
     }
 
+    /// A surface that does not move.
+    fn standing(surface: Surface) -> MovingSurface {
+        MovingSurface {
+            surface,
+            velocity: Vec3::zeros(),
+            angular_velocity: Vec3::zeros(),
+            own_from_head: None,
+        }
+    }
+
     /// What is not near does not touch before it has gone as far as it was looked for, however flat the surface.
     #[test]
     fn who_is_not_near_cannot_touch_within_the_margin() {
         let (limit_m, margin_m, zero) = (0.004, 0.01, Vec3::zeros());
         let shape = Shape::Ellipsoid { center_m: zero, half_axes_m: Vec3::new(0.1, 0.005, 0.005) };
         let surface = Surface::new(&shape);
-        let moving = MovingSurface {
-            surface: surface.clone(),
-            velocity: zero,
-            angular_velocity: zero,
-            own_from_head: None,
-        };
+        let moving = standing(surface.clone());
         for k in 0..30 * 30 {
             let place = Vec3::new(f64::from(k % 30), 0.0, f64::from(k / 30)) * 0.01;
             let mut touchable = touchable_at(&[limit_m]);
@@ -581,12 +580,7 @@ mod tests {
             ball(0.1),
         ] {
             let surface = Surface::new(&shape);
-            let moving = MovingSurface {
-                surface: surface.clone(),
-                velocity: zero,
-                angular_velocity: zero,
-                own_from_head: None,
-            };
+            let moving = standing(surface.clone());
             let mut touchable = touchable_at(&limits_m);
             let (mut n_looked, mut n_near) = (0, 0);
             let mut before = places(0);
