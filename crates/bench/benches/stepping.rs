@@ -15,8 +15,7 @@ use std::ops::AddAssign;
 use std::sync::LazyLock;
 use tousle_bench::worlds::{gusts, mannequin, wig};
 use tousle_core::{Body, NoProgress};
-use tousle_field::{FieldSequence, Moment, Reading, SAMPLED_AT_ONCE, Sampler, Scene};
-use tousle_lanes::{Lane, NullaryFnOnce, Registers, WithLanes};
+use tousle_field::{FieldSequence, Reading, SAMPLED_AT_ONCE, Sampler, Scene};
 use tousle_sim::{Frame, Method, Precision, SimOptions, Simulator, TimeMode, simulate};
 
 fn main() {
@@ -182,36 +181,11 @@ fn only_sampling(bencher: Bencher<'_, '_>, run: Run) {
         for step in 0..run.steps {
             let moment = sampler.at(f64::from(step) / RATE_HZ % WIND.end_secs(), reading);
             points.par_chunks(64).zip(vectors.par_chunks_mut(64)).for_each(|(points, vectors)| {
-                let sample = Sample { moment: &moment, points, vectors };
-                Registers::widest().with_lanes(Precision::Single, sample);
+                moment.sample_all(points, vectors);
             });
             black_box(&mut vectors);
         }
     });
-}
-
-/// Points, sixteen in each, and what they find.
-struct Sample<'a, 'm> {
-    moment: &'a Moment<'m>,
-    points: &'a [[[f32; SAMPLED_AT_ONCE]; 3]],
-    vectors: &'a mut [[[f32; SAMPLED_AT_ONCE]; 3]],
-}
-
-impl WithLanes for Sample<'_, '_> {
-    type Output = ();
-
-    fn with<L: Lane>(self) {
-        L::dispatch(self);
-    }
-}
-
-impl NullaryFnOnce for Sample<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.moment.sample_all(self.points, self.vectors);
-    }
 }
 
 /// What a point is made of: turn, place, velocity and bend now and a step ago.

@@ -54,18 +54,16 @@ impl<'a> BatchRooms<'_, 'a> {
     pub fn of_frame(&mut self, k: usize) -> Option<&mut [Room<'a>]> {
         self.frames.get_mut(k.checked_sub(self.skipped)?).map(|rooms| &mut **rooms)
     }
+}
 
-    /// Lets the processor fetch the memory of the `k`-th frame while it does something else.
-    pub fn fetch(&self, k: usize) {
-        let frame = k.checked_sub(self.skipped).and_then(|frame| self.frames.get(frame));
-        let Some(rooms) = frame else { return };
-        for room in rooms.iter() {
-            let Some(room) = room else { continue };
-            let mut next = 0;
-            while let Some(point) = room.get(next) {
-                fetch(point);
-                next += POINTS_IN_LINE;
-            }
+/// Lets the processor fetch the memory of some rooms while it does something else.
+pub(crate) fn fetch(rooms: &[Room<'_>]) {
+    for room in rooms {
+        let Some(room) = room else { continue };
+        let mut next = 0;
+        while let Some(point) = room.get(next) {
+            fetch_point(point);
+            next += POINTS_IN_LINE;
         }
     }
 }
@@ -75,7 +73,7 @@ const POINTS_IN_LINE: usize = 5;
 
 /// Lets the processor fetch what a point is written over.
 #[inline(always)]
-fn fetch(point: &[f32; 3]) {
+fn fetch_point(point: &[f32; 3]) {
     #[cfg(target_arch = "x86_64")]
     safe_arch::prefetch_et0(point);
     // No library offers it for others.
@@ -192,16 +190,16 @@ impl Frames {
         Seats { n_lanes: batches.first().map_or(1, Vec::len), n_batches: batches.len(), seats }
     }
 
-    /// Rooms of some frames, before which so many pass that are not wanted; in the memory of others.
+    /// Rooms of some frames, before which so many pass that are not wanted; in the memory of others, emptied.
     pub fn rooms<'a>(
         &'a mut self,
         skipped: usize,
         frames: Range<usize>,
         seats: &Seats,
-        memory: Rooms<'_>,
+        memory: Rooms<'a>,
     ) -> Rooms<'a> {
         let n_lanes = seats.n_lanes;
-        let mut rooms = memory.emptied();
+        let mut rooms = memory;
         rooms.frames.resize_with(frames.len(), Vec::new);
         let wanted = &mut self.positions_m[frames.start * self.n_points..frames.end * self.n_points];
         let counts = &self.counts;

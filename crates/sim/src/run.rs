@@ -1,7 +1,7 @@
 //! The loop over steps and batches.
 
 use crate::extent::{Extent, Region};
-use crate::frames::{BatchRooms, Frames, Numbers, Room, Rooms, Seats};
+use crate::frames::{BatchRooms, Frames, Numbers, Room, Rooms, Seats, fetch};
 use crate::lengths::Lengths;
 use crate::mechanics::Mechanics;
 use crate::parts::Count;
@@ -66,7 +66,7 @@ impl<M: Mechanics> Run<'_, M> {
         for steps in self.blocks(span) {
             let into = wanted.as_mut().zip(seats.as_ref());
             let into = into.map(|((frames, from), seats)| (&mut **frames, seats, *from));
-            memory = self.take(strands, &steps, into, memory, &clock).emptied();
+            memory = self.take(strands, &steps, into, memory, &clock);
         }
     }
 
@@ -87,7 +87,7 @@ impl<M: Mechanics> Run<'_, M> {
         let mut memory = Rooms::default();
         for steps in self.blocks(span) {
             let done = self.frames_of(&steps);
-            memory = self.take(strands, &steps, Some((frames, &seats, done.start)), memory, &clock).emptied();
+            memory = self.take(strands, &steps, Some((frames, &seats, done.start)), memory, &clock);
             say(strands, done.start, frames.first(done.len()))?;
         }
         Ok(())
@@ -115,15 +115,16 @@ impl<M: Mechanics> Run<'_, M> {
         steps.start / per_frame + 1..steps.end / per_frame + 1
     }
 
-    /// Moves strands through a block of steps, and puts those frames that are wanted, from a number on.
-    fn take<'f>(
+    /// Moves strands through a block of steps, and puts those frames that are wanted, from a number on. `memory` is that of the last
+    /// block's rooms; out: that of this one's.
+    fn take(
         &self,
         strands: &mut dyn Abreast<M>,
         steps: &Range<usize>,
-        wanted: Option<(&'f mut Frames, &Seats, usize)>,
-        memory: Rooms<'_>,
+        wanted: Option<(&mut Frames, &Seats, usize)>,
+        memory: Rooms<'static>,
         clock: &Clock<'_>,
-    ) -> Rooms<'f> {
+    ) -> Rooms<'static> {
         let world = |step| self.mechanics.world(&self.timeline, &self.sampler, self.reading, step);
         let worlds: Vec<M::World<'_>> = steps.clone().into_par_iter().map(world).collect();
         let per_frame = self.timeline.steps_per_frame;
@@ -134,10 +135,10 @@ impl<M: Mechanics> Run<'_, M> {
                 let begin = usize::max(next, from);
                 frames.rooms(begin - next, begin - from..end - from, seats, memory)
             }
-            _ => Rooms::default(),
+            _ => memory,
         };
         strands.take_steps(&block, &mut rooms, &|n_strands| clock.passed(n_strands * worlds.len()));
-        rooms
+        rooms.emptied()
     }
 
     fn block(&self) -> usize {
@@ -342,8 +343,8 @@ impl<M: Mechanics, L: Lane> Lanes<M, L> {
         let mut n_frames = 0;
         for (k, world) in worlds.iter().enumerate() {
             let ends_frame = (begin + k + 1).is_multiple_of(*per_frame);
-            if ends_frame {
-                rooms.fetch(n_frames);
+            if ends_frame && let Some(rooms) = rooms.of_frame(n_frames) {
+                fetch(rooms);
             }
             mechanics.step(&mut self.batch, work, world);
             if ends_frame {
